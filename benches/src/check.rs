@@ -1,4 +1,5 @@
-//! A time counts only for right answers: every run is compared with Embree's and, in a sample, with the judge's.
+//! A time counts only for right answers: every run is compared with Embree's and, in a sample, with
+//! the judge's.
 
 use firsthit::shoot::AllHits;
 use firsthit::{Bounds, Hit, Hits, Object, Ray, Rays, Scene};
@@ -70,7 +71,8 @@ impl<'a> Judge<'a> {
         all.into_iter().map(|hit| named(hit, &objects)).collect()
     }
 
-    /// The objects whose boxes a ray passes, with their numbers: brute force over all triangles of a forest takes too long.
+    /// The objects whose boxes a ray passes, with their numbers: brute force over all triangles of
+    /// a forest takes too long.
     fn few(&self, ray: &Ray) -> Option<(Scene, Vec<usize>)> {
         if self.boxes.is_empty() {
             return None;
@@ -147,7 +149,8 @@ impl<'a> Judge<'a> {
         }
     }
 
-    /// Compares all hits. A ray has another outcome where it has more hits or fewer, and other triangles where one of them is another.
+    /// Compares all hits. A ray has another outcome where it has more hits or fewer, and other
+    /// triangles where one of them is another.
     pub(crate) fn all_hits(
         &self,
         all: &AllHits,

@@ -1,4 +1,5 @@
-//! Everything the bench asks of firsthit, in one place: its public functions as a user would call them.
+//! Everything the bench asks of firsthit, in one place: its public functions as a user would call
+//! them.
 
 use std::collections::HashMap;
 use std::path::Path;
@@ -25,7 +26,8 @@ pub(crate) fn build(objects: &[Object]) -> Result<Scene, String> {
     Scene::new(objects.to_vec()).map_err(|error| error.to_string())
 }
 
-/// Copies of objects with the vertices of their meshes moved a little. Meshes that were shared are shared.
+/// Copies of objects with the vertices of their meshes moved a little. Meshes that were shared are
+/// shared.
 pub(crate) fn moved(objects: &[Object]) -> Result<Vec<Object>, String> {
     let mut known: HashMap<*const Mesh, Arc<Mesh>> = HashMap::new();
     let moved = |object: &Object| {

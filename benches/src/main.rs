@@ -1,4 +1,5 @@
-//! firsthit beside Embree: the same scenes, the same rays, one run. `docs/performance.md` says how to read it.
+//! firsthit beside Embree: the same scenes, the same rays, one run. `docs/performance.md` says how
+//! to read it.
 #![expect(
     clippy::cast_possible_truncation,
     clippy::cast_possible_wrap,
@@ -72,7 +73,8 @@ fn run(settings: &Settings) -> Result<bool, String> {
     if let Some(set) = settings.isa {
         choose(set);
     }
-    // The main thread is the one worker of the default pool: the measured code runs here, on one thread.
+    // The main thread is the one worker of the default pool: the measured code runs here, on one
+    // thread.
     let failed = |error: rayon::ThreadPoolBuildError| error.to_string();
     let alone = ThreadPoolBuilder::new().num_threads(1).use_current_thread();
     alone.build_global().map_err(failed)?;

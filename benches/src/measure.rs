@@ -26,8 +26,8 @@ pub(crate) fn once(things: usize, work: &mut dyn FnMut()) -> f64 {
     1e9 * start.elapsed().as_secs_f64() / things.max(1) as f64
 }
 
-/// Runs all `contestants` in turns, `rounds` times each and once more before, and counts the processor time
-/// of this thread for each of the `things` that one run does.
+/// Runs all `contestants` in turns, `rounds` times each and once more before, and counts the
+/// processor time of this thread for each of the `things` that one run does.
 pub(crate) fn in_turns(
     rounds: u32,
     things: usize,

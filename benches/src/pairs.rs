@@ -1,5 +1,6 @@
-//! Our times alone, one at a time and when asked: `benches/pairs.py` has two builds run in turns this way, frame by
-//! frame, and so sees differences far smaller than what a shared machine does to the times themselves.
+//! Our times alone, one at a time and when asked: `benches/pairs.py` has two builds run in turns
+//! this way, frame by frame, and so sees differences far smaller than what a shared machine does to
+//! the times themselves.
 
 use std::hint::black_box;
 use std::io::{self, BufRead, StdinLock, Write};
@@ -13,8 +14,9 @@ use crate::rows::{Shot, Shots};
 use crate::scenes;
 use crate::settings::Settings;
 
-/// Prints a line for each thing that can be timed, then does the one that each line of standard input names and prints
-/// the nanoseconds it took for each ray or triangle, until a line says `next`.
+/// Prints a line for each thing that can be timed, then does the one that each line of standard
+/// input names and prints the nanoseconds it took for each ray or triangle, until a line says
+/// `next`.
 pub(crate) fn serve(settings: &Settings) -> Result<(), String> {
     let mut client = Client(io::stdin().lock());
     let failed = |error: io::Error| format!("--pairs: {error}");

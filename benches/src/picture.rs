@@ -1,4 +1,5 @@
-//! Whole pictures: firsthit renders them, colours and all; Embree traces the rays that they take, and shades nothing.
+//! Whole pictures: firsthit renders them, colours and all; Embree traces the rays that they take,
+//! and shades nothing.
 
 use firsthit::render::Sample;
 use firsthit::scene::PointLight;
@@ -18,7 +19,8 @@ pub(crate) struct Picture {
     camera: Camera,
     shader: Shader,
     samples: u32,
-    /// The rays through the points of all pixels, pixel by pixel; the camera's own where a pixel has one.
+    /// The rays through the points of all pixels, pixel by pixel; the camera's own where a pixel
+    /// has one.
     points: Option<Columns>,
     shadows: Option<Columns>,
 }

@@ -15,7 +15,8 @@ pub(crate) enum Row {
     Primary,
     /// The pixels of an orthographic camera, from its description
     Orthographic,
-    /// The pixels of the first row's camera with OpenCV's distortion, from its description; Embree gets the same rays, made before
+    /// The pixels of the first row's camera with OpenCV's distortion, from its description; Embree
+    /// gets the same rays, made before
     Distorted,
     /// The pixels of an equidistant fisheye of 180 degrees in the same place, likewise
     Fisheye,
@@ -31,7 +32,8 @@ pub(crate) enum Row {
     Random,
     /// All hits of those rays, in order
     AllHits,
-    /// The picture of the first row's camera, unlit, four points to a pixel, whole; of Embree the rays alone
+    /// The picture of the first row's camera, unlit, four points to a pixel, whole; of Embree the
+    /// rays alone
     Antialiased,
     /// The picture of the first row's camera, lit and with shadows, whole; of Embree the rays alone
     Shaded,

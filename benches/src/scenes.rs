@@ -31,7 +31,8 @@ fn file_beside(look: &Path) -> Option<PathBuf> {
     files.into_iter().find(|file| file.is_file())
 }
 
-/// The names of the scenes in `folder`, small ones first; of the built-in ones where there are none.
+/// The names of the scenes in `folder`, small ones first; of the built-in ones where there are
+/// none.
 pub(crate) fn all(folder: &Path) -> Result<Vec<String>, String> {
     let mut found = Vec::new();
     for entry in fs::read_dir(folder).into_iter().flatten() {

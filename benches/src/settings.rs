@@ -33,13 +33,15 @@ pub(crate) struct Settings {
     /// Pixels across and down, a multiple of 16
     #[arg(long, default_value_t = 1024, value_parser = side)]
     pub(crate) side: usize,
-    /// Both sides with the instructions of this set: portable, neon, avx2 or avx512 [default: the fastest of this machine]
+    /// Both sides with the instructions of this set: portable, neon, avx2 or avx512 [default: the
+    /// fastest of this machine]
     #[arg(long, value_name = "NAME", value_parser = set)]
     pub(crate) isa: Option<InstructionSet>,
     /// How many triangles the judge may test for a row's sample of hits
     #[arg(long, value_name = "NUMBER", default_value_t = 300_000_000)]
     pub(crate) judge: u64,
-    /// Print no table: time a row once for each line of standard input, as benches/pairs.py wants it
+    /// Print no table: time a row once for each line of standard input, as benches/pairs.py wants
+    /// it
     #[arg(long)]
     pub(crate) pairs: bool,
     /// Write the table to this file, too

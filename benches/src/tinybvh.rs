@@ -1,4 +1,5 @@
-//! tinybvh's `BVH8_CPU`, opened at run time as `benches/tinybvh.cpp` is compiled: arrays of rays at scenes of one mesh, one by one.
+//! tinybvh's `BVH8_CPU`, opened at run time as `benches/tinybvh.cpp` is compiled: arrays of rays at
+//! scenes of one mesh, one by one.
 #![expect(unsafe_code, reason = "tinybvh is a C++ library; every block says what it rests on")]
 
 use std::cell::RefCell;
@@ -31,8 +32,8 @@ impl Library {
     /// Opens the shared library at `path`.
     pub(crate) fn open(path: &Path) -> Result<Self, String> {
         let said = |error: libloading::Error| format!("{}: {error}", path.display());
-        // SAFETY: the caller names what benches/tinybvh.cpp was compiled to: it has no initialisers of its own, and its
-        // functions have these types. They are kept beside the library.
+        // SAFETY: the caller names what benches/tinybvh.cpp was compiled to: it has no initialisers
+        // of its own, and its functions have these types. They are kept beside the library.
         unsafe {
             let library = libloading::Library::new(path).map_err(said)?;
             Ok(Self {
@@ -108,7 +109,8 @@ impl<'a> Tree<'a> {
         let mut theirs = || {
             let (t, numbers) = &mut *answers.borrow_mut();
             let (tree, count) = (self.handle.cast_const(), lines.len());
-            // SAFETY: the tree is alive, and there are `count` lines and as many answers of each kind.
+            // SAFETY: the tree is alive, and there are `count` lines and as many answers of each
+            // kind.
             unsafe {
                 if is_first {
                     let (t, numbers) = (t.as_mut_ptr(), numbers.as_mut_ptr());

@@ -1,8 +1,8 @@
 //! Counts the nodes and leaves that a ray visits, by a plain traversal, and fits their costs to the
 //! rows' times.
 //!
-//! The trees are read from the built scene as `docs/fhs.md` describes it. Where the scene is not one
-//! mesh in its place, nothing is counted: built scenes do not have the tree over the objects.
+//! The trees are read from the built scene as `docs/fhs.md` describes it. Where the scene is not
+//! one mesh in its place, nothing is counted: built scenes do not have the tree over the objects.
 
 use firsthit::world::World;
 use firsthit::{DVec3, Ray, Scene, fhs};
@@ -60,7 +60,8 @@ impl Tree {
         };
         let nodes = section(12)?.as_chunks().0.to_vec();
         let leaves = section(13)?.as_chunks().0.to_vec();
-        // The tree's space is the mesh's, moved and scaled by a power of two, so the root's boxes tell how.
+        // The tree's space is the mesh's, moved and scaled by a power of two, so the root's boxes
+        // tell how.
         let ends = |axis: usize| {
             let of = |plane: usize| (0..LANES).map(move |lane| plane * LANES + lane);
             let low = of(2 * axis).map(|k| number(nodes.first(), k));

@@ -1,5 +1,5 @@
-//! Sets `cfg(unoptimised)` at opt-level 0. There every inlined function keeps its own stack slots, so that kernels have frames
-//! of more than a megabyte; see `simd/stack.rs`.
+//! Sets `cfg(unoptimised)` at opt-level 0. There every inlined function keeps its own stack slots,
+//! so that kernels have frames of more than a megabyte; see `simd/stack.rs`.
 
 fn main() {
     println!("cargo::rerun-if-changed=build.rs");

@@ -1,4 +1,5 @@
-//! Points of clouds, told by their first bytes. What LASzip packs stays out: its reader panics, which is caught, but not here.
+//! Points of clouds, told by their first bytes. What LASzip packs stays out: its reader panics,
+//! which is caught, but not here.
 #![no_main]
 
 libfuzzer_sys::fuzz_target!(|bytes: &[u8]| {

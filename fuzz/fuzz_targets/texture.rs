@@ -1,4 +1,5 @@
-//! Pictures as textures: of PNG, JPEG, WebP, BMP, TIFF and GIF the bytes tell the format, all else counts as TGA.
+//! Pictures as textures: of PNG, JPEG, WebP, BMP, TIFF and GIF the bytes tell the format, all else
+//! counts as TGA.
 #![no_main]
 
 use firsthit_fuzz::Folder;

@@ -89,7 +89,8 @@ fn check(read: Result<Loaded>) {
     }
 }
 
-/// Makes the length in the header of a built scene, and the checksum of its header, table and record, what they must be.
+/// Makes the length in the header of a built scene, and the checksum of its header, table and
+/// record, what they must be.
 pub fn mend_built_scene(bytes: &mut [u8]) {
     let number = |bytes: &[u8], at: usize| {
         let number = bytes.get(at..at + 8).and_then(|number| number.try_into().ok());

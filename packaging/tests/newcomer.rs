@@ -1,4 +1,5 @@
-//! A newcomer's program: rays and pictures of meshes, on the threads that there are and on a very small one.
+//! A newcomer's program: rays and pictures of meshes, on the threads that there are and on a very
+//! small one.
 
 use std::sync::Arc;
 

@@ -76,8 +76,8 @@ pub(crate) fn of<T>(elements: &[T], index: usize) -> &T {
     elements.get(index).unwrap_or(&elements[0])
 }
 
-/// Arrays of rays as they come: C-contiguous float64, twice of 3 n or 3 numbers, and twice of n or 1; and what the rays
-/// do not meet.
+/// Arrays of rays as they come: C-contiguous float64, twice of 3 n or 3 numbers, and twice of n or
+/// 1; and what the rays do not meet.
 #[derive(FromPyObject)]
 pub(crate) struct RayArrays<'py>(
     PyReadonlyArrayDyn<'py, f64>,
@@ -109,7 +109,8 @@ impl RayArrays<'_> {
     }
 }
 
-/// Memory for copies of origins and directions as [`RayArrays`] have them, of each that is to be copied.
+/// Memory for copies of origins and directions as [`RayArrays`] have them, of each that is to be
+/// copied.
 #[derive(FromPyObject)]
 pub(crate) struct CopiesOut<'py>(
     Option<PyReadwriteArrayDyn<'py, f64>>,

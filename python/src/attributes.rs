@@ -30,7 +30,8 @@ fn name_of(of: PropertyOf) -> &'static str {
     found.map_or("faces", |(name, _)| name)
 }
 
-/// Numbers by name: what has them, name, how many each has, whether between corners those of the nearest count, and the numbers.
+/// Numbers by name: what has them, name, how many each has, whether between corners those of the
+/// nearest count, and the numbers.
 #[derive(FromPyObject)]
 pub(crate) struct PropertyIn<'py>(String, String, usize, bool, ValuesIn<'py>);
 

@@ -31,7 +31,8 @@ type CameraFrame = ([f64; 3], [f64; 3], [f64; 3], [f64; 3]);
 
 #[pymethods]
 impl Camera {
-    /// The camera of a view; `is_exact` where that was taken from a camera, and is to stay as it is to the last bit.
+    /// The camera of a view; `is_exact` where that was taken from a camera, and is to stay as it is
+    /// to the last bit.
     #[new]
     #[expect(
         clippy::too_many_arguments,
@@ -59,8 +60,8 @@ impl Camera {
         Ok(Self(camera?))
     }
 
-    /// The camera of a matrix K and a matrix of a pose, row by row, as a convention has them; with the parameters of a projection
-    /// that distorts.
+    /// The camera of a matrix K and a matrix of a pose, row by row, as a convention has them; with
+    /// the parameters of a projection that distorts.
     #[staticmethod]
     fn from_intrinsics(
         k: [[f64; 3]; 3],
@@ -82,7 +83,8 @@ impl Camera {
         Ok(Self(firsthit::Camera::at_pose(&pose, lens, rows, columns)?))
     }
 
-    /// The matrix K, if there is one, and the matrix of the pose, row by row, as a convention has them.
+    /// The matrix K, if there is one, and the matrix of the pose, row by row, as a convention has
+    /// them.
     #[expect(clippy::type_complexity, reason = "two matrices")]
     fn matrices(&self, convention: &str) -> Outcome<(Option<[[f64; 3]; 3]>, [[f64; 4]; 4])> {
         let convention: Convention = convention.parse()?;
@@ -92,14 +94,16 @@ impl Camera {
         Ok((k, convention.matrix(&self.0.world_from_camera())))
     }
 
-    /// The camera in COLMAP's words: the model's name, its parameters, the quaternion and the translation.
+    /// The camera in COLMAP's words: the model's name, its parameters, the quaternion and the
+    /// translation.
     #[expect(clippy::type_complexity, reason = "four parts of one line")]
     fn to_colmap(&self) -> Outcome<(&'static str, Vec<f64>, [f64; 4], [f64; 3])> {
         let camera = ColmapCamera::of(&self.0)?;
         Ok((camera.model.name, camera.params, camera.qvec, camera.tvec))
     }
 
-    /// The cameras of a reconstruction by COLMAP, with their images' names: of its folder, or of two files; and the file of images.
+    /// The cameras of a reconstruction by COLMAP, with their images' names: of its folder, or of
+    /// two files; and the file of images.
     #[staticmethod]
     fn of_colmap(py: Python<'_>, cameras: PathBuf, images: Option<PathBuf>) -> Outcome<ColmapOut> {
         let read = || -> firsthit::Result<ColmapOut> {
@@ -234,8 +238,8 @@ impl Camera {
         (position, aim, right, upwards)
     }
 
-    /// Origins and directions of the rays of some rows, through the point that a sample of each pixel is at; the first is the
-    /// centre.
+    /// Origins and directions of the rays of some rows, through the point that a sample of each
+    /// pixel is at; the first is the centre.
     fn rays<'py>(
         &self,
         py: Python<'py>,
@@ -398,7 +402,8 @@ pub(crate) fn orthonormalised(pose: [[f64; 4]; 4]) -> Option<([[f64; 4]; 4], f64
     firsthit::camera::orthonormalised(pose)
 }
 
-/// Position, aim and up; rows and columns; projection and ray start; the lens' numbers by their names.
+/// Position, aim and up; rows and columns; projection and ray start; the lens' numbers by their
+/// names.
 pub(crate) type ViewOut = ([[f64; 3]; 3], [usize; 2], [&'static str; 2], Vec<(&'static str, f64)>);
 
 pub(crate) fn view_out(view: &View) -> ViewOut {

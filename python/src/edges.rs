@@ -5,7 +5,8 @@ use pyo3::prelude::*;
 
 use crate::errors::Outcome;
 
-/// Width, angle, the names of kinds, the lengths of dashes and gaps of what is hidden, and the colour.
+/// Width, angle, the names of kinds, the lengths of dashes and gaps of what is hidden, and the
+/// colour.
 pub(crate) type EdgesOut = (f64, f64, Vec<&'static str>, Option<[f64; 2]>, [f64; 3]);
 
 /// The edges on their way in.

@@ -53,8 +53,8 @@ impl EnvironmentMap {
     }
 }
 
-/// An environment: its kind, vectors, numbers, its map if it is one, its strength, whether it is seen, and which way is up unless
-/// the scene says so.
+/// An environment: its kind, vectors, numbers, its map if it is one, its strength, whether it is
+/// seen, and which way is up unless the scene says so.
 ///
 /// | kind | vectors | numbers |
 /// |---|---|---|

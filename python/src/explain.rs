@@ -15,7 +15,8 @@ use crate::filters::FilterArrays;
 use crate::run::{guarded, run};
 use crate::scene::Scene;
 
-/// The ray through a pixel: the camera, the row and the column, `t_min` and `t_max`, and what the ray does not meet.
+/// The ray through a pixel: the camera, the row and the column, `t_min` and `t_max`, and what the
+/// ray does not meet.
 #[derive(FromPyObject)]
 pub(crate) struct PixelIn<'py>(PyRef<'py, Camera>, [usize; 2], [f64; 2], Option<FilterArrays<'py>>);
 

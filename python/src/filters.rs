@@ -20,9 +20,8 @@ type Places<'py> = (
     PyReadonlyArray1<'py, i8>,
 );
 
-/// Filters as they come: masks, the name of the side that is culled, surfaces that are skipped, places that are left, objects that alone
-/// are met.
-/// Of each array n elements or one.
+/// Filters as they come: masks, the name of the side that is culled, surfaces that are skipped,
+/// places that are left, objects that alone are met. Of each array n elements or one.
 #[derive(FromPyObject)]
 pub(crate) struct FilterArrays<'py>(
     Option<PyReadonlyArray1<'py, u32>>,

@@ -138,8 +138,9 @@ pub(crate) fn render<'py>(
 #[pyclass(frozen, module = "firsthit._firsthit")]
 pub(crate) struct Accumulated(Frame);
 
-/// Goes on with a picture until it has all its samples, from what is known of it, if anything: a flat array for each channel, in their
-/// order, and what is known then. The channels are those that are `accumulated`, see [`sampling`].
+/// Goes on with a picture until it has all its samples, from what is known of it, if anything: a
+/// flat array for each channel, in their order, and what is known then. The channels are those that
+/// are `accumulated`, see [`sampling`].
 #[pyfunction]
 pub(crate) fn render_more<'py>(
     py: Python<'py>,
@@ -176,7 +177,8 @@ pub(crate) fn sampling(channels: Vec<String>) -> Outcome<Vec<&'static str>> {
     Ok(kinds.iter().map(made_of).collect())
 }
 
-/// Pairs each of some settings that do nothing for a picture's channels with the channels that it needs, in words.
+/// Pairs each of some settings that do nothing for a picture's channels with the channels that it
+/// needs, in words.
 #[pyfunction]
 pub(crate) fn idle(
     settings: Vec<String>,

@@ -1,5 +1,5 @@
-//! The native half of the Python package: conversion only, no mathematics. Its words are those of the
-//! library; everything that a user sees is in `python/firsthit/`.
+//! The native half of the Python package: conversion only, no mathematics. Its words are those of
+//! the library; everything that a user sees is in `python/firsthit/`.
 
 #![allow(clippy::needless_pass_by_value, reason = "arguments from Python arrive by value")]
 

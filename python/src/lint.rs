@@ -57,7 +57,8 @@ impl Lint {
         self.0.checked().iter().map(|kind| kind.name).collect()
     }
 
-    /// Whether each triangle of an object is part of a finding; `None` for an object without a mesh.
+    /// Whether each triangle of an object is part of a finding; `None` for an object without a
+    /// mesh.
     fn marked<'py>(
         &self,
         py: Python<'py>,

@@ -152,7 +152,8 @@ pub(crate) fn open(
     Ok(taken_apart(loaded))
 }
 
-/// Makes the scene of a file that holds one built that of all its objects, lights and its environment.
+/// Makes the scene of a file that holds one built that of all its objects, lights and its
+/// environment.
 fn with_lit_scene(mut loaded: Loaded, watch: &dyn Watch) -> firsthit::Result<Loaded> {
     if let Some(built) = &loaded.scene {
         let scene = built.with_objects_watched(loaded.world.objects.clone(), watch)?;
@@ -162,8 +163,9 @@ fn with_lit_scene(mut loaded: Loaded, watch: &dyn Watch) -> firsthit::Result<Loa
     Ok(loaded)
 }
 
-/// Saves a built scene with the cameras, the background (see `background_in`), the shading, the display and the lines of edges of a scene in Python,
-/// whether the first camera is the one to look through, which way is up, and whether that is guessed.
+/// Saves a built scene with the cameras, the background (see `background_in`), the shading, the
+/// display and the lines of edges of a scene in Python, whether the first camera is the one to look
+/// through, which way is up, and whether that is guessed.
 #[pyfunction]
 #[expect(clippy::too_many_arguments, reason = "a scene's parts, sent by the Python half alone")]
 pub(crate) fn save(

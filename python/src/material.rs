@@ -37,7 +37,8 @@ impl Texels {
     }
 }
 
-/// A texture on a surface: texels, the names of its wraps and its filter, its coordinates' map, whether those are the second.
+/// A texture on a surface: texels, the names of its wraps and its filter, its coordinates' map,
+/// whether those are the second.
 #[derive(FromPyObject)]
 pub(crate) struct MapIn<'py>(PyRef<'py, Texels>, [String; 2], String, [[f64; 3]; 2], bool);
 
@@ -49,8 +50,8 @@ struct ModelIn(String, Vec<(String, ValueIn)>);
 #[derive(FromPyObject)]
 struct StrengthsIn([f64; 3], f64, f64);
 
-/// A material: colour, alpha, texture, texture for alpha, how alpha counts, its cutoff, unlit, double-sided, its name; what
-/// it is made of, its strengths, its other textures by role.
+/// A material: colour, alpha, texture, texture for alpha, how alpha counts, its cutoff, unlit,
+/// double-sided, its name; what it is made of, its strengths, its other textures by role.
 #[derive(FromPyObject)]
 pub(crate) struct MaterialIn<'py>(
     [f64; 3],
@@ -137,7 +138,8 @@ pub(crate) fn material(material: &MaterialIn<'_>) -> Outcome<Material> {
     Ok(material)
 }
 
-/// Refuses a material of words that are not known and of numbers that make no sense; all settings of what it is made of.
+/// Refuses a material of words that are not known and of numbers that make no sense; all settings
+/// of what it is made of.
 #[pyfunction]
 pub(crate) fn check_material(candidate: MaterialIn<'_>) -> Outcome<SettingsOut> {
     Ok(settings_out(material(&candidate)?.model.settings()))
@@ -145,7 +147,8 @@ pub(crate) fn check_material(candidate: MaterialIn<'_>) -> Outcome<SettingsOut> 
 
 type Triple = (f64, f64, f64);
 
-/// A [`MapIn`] on its way out, its texels by number. Tuples, since Python is to compare and hash them.
+/// A [`MapIn`] on its way out, its texels by number. Tuples, since Python is to compare and hash
+/// them.
 type MapOut = (usize, (&'static str, &'static str), &'static str, (Triple, Triple), bool);
 
 /// A [`MaterialIn`] on its way out.
@@ -208,7 +211,8 @@ fn name_of<T: Copy + PartialEq>(value: T, known: &[(&'static str, T)]) -> &'stat
     found.map_or("", |&(name, _)| name)
 }
 
-/// The linear colour that a text names; else the name of a colour, or one of `others`, that was probably meant.
+/// The linear colour that a text names; else the name of a colour, or one of `others`, that was
+/// probably meant.
 #[pyfunction]
 pub(crate) fn named_color(text: &str, others: Vec<String>) -> (Option<[f64; 3]>, Option<String>) {
     let names = COLOR_NAMES.iter().map(|&(name, _)| name);

@@ -13,8 +13,8 @@ use crate::errors::Outcome;
 use crate::run::{FEW, Report, run, run_sized};
 use crate::scene::Scene;
 
-/// Triangles times points that take about a tenth of a second at most, also where a mesh is asked for the first time whether it is
-/// closed.
+/// Triangles times points that take about a tenth of a second at most, also where a mesh is asked
+/// for the first time whether it is closed.
 const LITTLE: u64 = 1 << 21;
 
 fn by(is_by_object: bool) -> Grouping {

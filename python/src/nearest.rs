@@ -11,7 +11,8 @@ use crate::measure::measured;
 use crate::run::{FEW, run_sized};
 use crate::scene::Scene;
 
-/// Distance, object and primitive, and the coordinates of points and of the weights of corners 1 and 2, flat.
+/// Distance, object and primitive, and the coordinates of points and of the weights of corners 1
+/// and 2, flat.
 type Found<'py> = (
     Bound<'py, PyArray1<f64>>,
     Bound<'py, PyArray1<i32>>,

@@ -34,7 +34,8 @@ impl Stop {
         self.step.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Calls `report` with the number of rays done; of work in steps also with the step, its total and its unit.
+    /// Calls `report` with the number of rays done; of work in steps also with the step, its total
+    /// and its unit.
     fn report(&self, report: &Bound<'_, PyAny>) -> PyResult<()> {
         // Together: a step that begins sets the count anew.
         let (step, done) = {
@@ -67,8 +68,8 @@ impl Watch for Stop {
     }
 }
 
-/// The caller's progress function, if there is one: it is called with the number of rays done, and for work in steps with the step's total,
-/// name and unit beside.
+/// The caller's progress function, if there is one: it is called with the number of rays done, and
+/// for work in steps with the step's total, name and unit beside.
 pub(crate) type Report<'a, 'py> = Option<&'a Bound<'py, PyAny>>;
 
 /// Calls `report` with the number of rays done.
@@ -99,7 +100,8 @@ pub(crate) fn all_threads() -> usize {
     std::thread::available_parallelism().map_or(1, usize::from)
 }
 
-/// A pool of `threads` threads (0: all cores), or of as many as the system grants: the result is the same.
+/// A pool of `threads` threads (0: all cores), or of as many as the system grants: the result is
+/// the same.
 fn pool(threads: usize) -> Outcome<ThreadPool> {
     let mut threads = if threads == 0 { all_threads() } else { threads };
     loop {
@@ -165,8 +167,8 @@ fn bug(panic: &(dyn Any + Send)) -> PyErr {
 /// Fewer rays than this are done at once: making threads would take longer.
 pub(crate) const FEW: usize = 512;
 
-/// Does `work` that is `little` by the calling thread alone, and any other as [`run_reported`] does. `count` is what is reported
-/// as done.
+/// Does `work` that is `little` by the calling thread alone, and any other as [`run_reported`]
+/// does. `count` is what is reported as done.
 pub(crate) fn run_sized<T: Send>(
     py: Python<'_>,
     (count, is_little): (usize, bool),
@@ -191,12 +193,13 @@ pub(crate) fn run<T: Send>(
     run_reported(py, threads, None, work)
 }
 
-/// Does `work` with `threads` threads (0: all cores) while other Python threads run. Now and then, and at the end,
-/// it calls `report` with the number of rays done. An exception from `report` ends the work.
+/// Does `work` with `threads` threads (0: all cores) while other Python threads run. Now and then,
+/// and at the end, it calls `report` with the number of rays done. An exception from `report` ends
+/// the work.
 ///
-/// The threads live as long as the call: a pool that outlived it would not survive `fork`. Making them
-/// takes about a tenth of a millisecond. A panic is a bug of ours and becomes a `RuntimeError`; where the system
-/// grants no thread at all, there is a `MemoryError`.
+/// The threads live as long as the call: a pool that outlived it would not survive `fork`. Making
+/// them takes about a tenth of a millisecond. A panic is a bug of ours and becomes a
+/// `RuntimeError`; where the system grants no thread at all, there is a `MemoryError`.
 pub(crate) fn run_reported<T: Send>(
     py: Python<'_>,
     threads: usize,

@@ -30,8 +30,8 @@ const FEW_OBJECTS: usize = 4096;
 #[pyclass(frozen, module = "firsthit._firsthit")]
 pub(crate) struct Scene(pub(crate) firsthit::Scene);
 
-/// An object: shape, name, its transform, (4, 4), if it has one, its materials, its mask, whether it is hidden and whether it was
-/// removed, and what node and what mesh of a file it comes from.
+/// An object: shape, name, its transform, (4, 4), if it has one, its materials, its mask, whether
+/// it is hidden and whether it was removed, and what node and what mesh of a file it comes from.
 #[derive(FromPyObject)]
 struct ObjectIn<'py>(
     PyRef<'py, Shape>,
@@ -60,8 +60,8 @@ impl<'py> FromPyObject<'_, 'py> for Given<'py> {
     }
 }
 
-/// The rows of a transform, copied from an array, (4, 4). To borrow the arrays of all objects takes time in proportion to the square of
-/// their number where they are parts of one.
+/// The rows of a transform, copied from an array, (4, 4). To borrow the arrays of all objects takes
+/// time in proportion to the square of their number where they are parts of one.
 struct Rows([[f64; 4]; 4]);
 
 impl<'py> FromPyObject<'_, 'py> for Rows {
@@ -87,8 +87,8 @@ type Places<'py> = (PyReadonlyArray1<'py, i64>, PyReadonlyArray3<'py, f64>);
 
 #[pymethods]
 impl Scene {
-    /// Builds a scene, sharing with `previous` what did not change, and building as that did. Which way is up, and whether that is guessed, is asked for the
-    /// environment.
+    /// Builds a scene, sharing with `previous` what did not change, and building as that did. Which
+    /// way is up, and whether that is guessed, is asked for the environment.
     #[new]
     #[expect(clippy::too_many_arguments, reason = "a scene's parts, sent by the Python half alone")]
     fn new(
@@ -249,7 +249,8 @@ impl Scene {
         guarded(|| py.detach(lit))?
     }
 
-    /// The names of what the identifiers of a channel stand for: objects, nodes, meshes or materials.
+    /// The names of what the identifiers of a channel stand for: objects, nodes, meshes or
+    /// materials.
     fn names(&self, py: Python<'_>, channel: &str) -> Outcome<Vec<String>> {
         let catalog = guarded(|| py.detach(|| self.0.catalog()))?;
         let names = match channel {

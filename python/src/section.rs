@@ -16,8 +16,8 @@ use crate::scene::Scene;
 #[pyclass(frozen, module = "firsthit._firsthit")]
 pub(crate) struct Section(firsthit::section::Section);
 
-/// A polyline: its object, whether it is closed, its points in space and in the plane, its primitives, its area if it is closed,
-/// its length.
+/// A polyline: its object, whether it is closed, its points in space and in the plane, its
+/// primitives, its area if it is closed, its length.
 type PolylineOut<'py> = (
     i32,
     bool,

@@ -230,8 +230,8 @@ type BeamsOut<'py> = (
 
 #[pymethods]
 impl Pattern {
-    /// A head that turns. `azimuths` are those of the start and the end, `time` the rate and the start; `offsets` those of azimuths
-    /// and firings.
+    /// A head that turns. `azimuths` are those of the start and the end, `time` the rate and the
+    /// start; `offsets` those of azimuths and firings.
     #[staticmethod]
     fn spinning(
         elevations: Vec<f64>,

@@ -78,8 +78,8 @@ pub(crate) fn light_out(light: &Light) -> LightOut {
     (light.name(), settings_out(light.settings()))
 }
 
-/// The shader's name and its settings, the name of lights that go with the camera, whether there is a ground, samples; each if
-/// it is said.
+/// The shader's name and its settings, the name of lights that go with the camera, whether there is
+/// a ground, samples; each if it is said.
 #[derive(FromPyObject, Default)]
 pub(crate) struct ShadingIn(
     Option<String>,
@@ -156,7 +156,8 @@ pub(crate) fn shading_out(
     )
 }
 
-/// Every setting of a shader with what is to be given for it: `flag`, `number`, `color` or `vector`.
+/// Every setting of a shader with what is to be given for it: `flag`, `number`, `color` or
+/// `vector`.
 #[pyfunction]
 pub(crate) fn shader_settings(name: &str) -> Vec<(&'static str, &'static str)> {
     let form = |setting: &Setting| match setting.domain {
@@ -198,7 +199,8 @@ pub(crate) fn resolve(
     Ok((resolved.samples, resolved.guessed))
 }
 
-/// The numbers of some pixels' sample: `count` of the set of that number for each, one pixel after the other.
+/// The numbers of some pixels' sample: `count` of the set of that number for each, one pixel after
+/// the other.
 #[pyfunction]
 pub(crate) fn draws<'py>(
     py: Python<'py>,

@@ -161,8 +161,8 @@ impl Mesh {
 /// Triangles, and how many each polygon has.
 type PolygonsOut<'py> = (Bound<'py, PyArray2<u32>>, Bound<'py, PyArray1<u32>>);
 
-/// The triangles (m, 3) of polygons over float64 points (n, 3), and of each the polygon that it is part of. Of all polygons the corners
-/// come one after the other, and how many each has.
+/// The triangles (m, 3) of polygons over float64 points (n, 3), and of each the polygon that it is
+/// part of. Of all polygons the corners come one after the other, and how many each has.
 #[pyfunction]
 pub(crate) fn polygons<'py>(
     py: Python<'py>,

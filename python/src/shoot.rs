@@ -14,8 +14,9 @@ use crate::run::{FEW, guarded, report_done, run_reported, run_sized};
 use crate::scene::Scene;
 use crate::sensor::SensorIn;
 
-/// The first hits of rays in arrays, written to `out`. Where there is memory in `copies`, the rays are copied there
-/// first: what they met belongs to the copy, whatever becomes of the arrays meanwhile and later.
+/// The first hits of rays in arrays, written to `out`. Where there is memory in `copies`, the rays
+/// are copied there first: what they met belongs to the copy, whatever becomes of the arrays
+/// meanwhile and later.
 #[pyfunction]
 pub(crate) fn shoot<'py>(
     py: Python<'py>,

@@ -1,6 +1,7 @@
 //! The part of Embree 4's C interface that we use, declared by hand, and opened at run time.
 //!
-//! Names are Embree's without their prefix; its manual describes each. Everything here is `unsafe` to call.
+//! Names are Embree's without their prefix; its manual describes each. Everything here is `unsafe`
+//! to call.
 
 use std::ffi::{c_char, c_int, c_uint, c_void};
 use std::mem::ManuallyDrop;
@@ -74,11 +75,12 @@ macro_rules! functions {
         impl Api {
             /// Opens the library at `path`.
             pub(super) fn open(path: &Path) -> Result<Self, libloading::Error> {
-                // SAFETY: the caller names Embree 4; its initialisers do nothing but set up its own state.
+                // SAFETY: the caller names Embree 4; its initialisers do nothing but set up its own
+                // state.
                 let library = unsafe { libloading::Library::new(path) }?;
                 $(
-                    // SAFETY: the type is that of the function in Embree 4's headers, and `library`,
-                    // which the function lives in, is kept beside it.
+                    // SAFETY: the type is that of the function in Embree 4's headers, and
+                    // `library`, which the function lives in, is kept beside it.
                     let $field = *unsafe { library.get::<$type>($name) }?;
                 )*
                 Ok(Self { $($field,)* _library: ManuallyDrop::new(library) })

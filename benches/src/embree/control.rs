@@ -41,8 +41,8 @@ fn read() -> u32 {
 
 #[cfg(target_arch = "x86_64")]
 fn write(word: u32) {
-    // SAFETY: loads the control word from 4 bytes that are alive. Only bits of this thread's rounding of
-    // subnormal numbers differ from what Rust assumes; the code run meanwhile (filling packets of
-    // ordinary numbers) meets none.
+    // SAFETY: loads the control word from 4 bytes that are alive. Only bits of this thread's
+    // rounding of subnormal numbers differ from what Rust assumes; the code run meanwhile (filling
+    // packets of ordinary numbers) meets none.
     unsafe { std::arch::asm!("ldmxcsr [{}]", in(reg) &raw const word, options(nostack, readonly)) };
 }

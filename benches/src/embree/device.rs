@@ -40,8 +40,8 @@ pub(crate) struct Device<'a> {
 }
 
 impl<'a> Device<'a> {
-    /// One thread, and huge pages, as Embree's manual recommends; with no instructions beyond those of `isa`, by
-    /// Embree's name for it.
+    /// One thread, and huge pages, as Embree's manual recommends; with no instructions beyond those
+    /// of `isa`, by Embree's name for it.
     pub(crate) fn new(library: &'a Library, isa: Option<&str>) -> Result<Self, String> {
         let api = &library.0;
         let isa = isa.map_or_else(String::new, |isa| format!(",isa={isa}"));
@@ -73,7 +73,8 @@ impl<'a> Device<'a> {
         unsafe { (self.api.device_property)(self.handle, property) }
     }
 
-    /// Builds the trees over `model` at medium quality, Embree's default. With `filters`, rays can bring a filter function.
+    /// Builds the trees over `model` at medium quality, Embree's default. With `filters`, rays can
+    /// bring a filter function.
     pub(crate) fn scene<'s>(
         &'s self,
         model: &'s Model,
@@ -83,7 +84,8 @@ impl<'a> Device<'a> {
         let before = BYTES.load(Ordering::Relaxed);
         let flag = |is_on: bool, flag| if is_on { flag } else { 0 };
         let flags = flag(robust, api::SCENE_ROBUST) | flag(filters, api::SCENE_FILTERS);
-        // SAFETY: the device is alive; the model lives for 's, longer than the scene that reads its buffers.
+        // SAFETY: the device is alive; the model lives for 's, longer than the scene that reads its
+        // buffers.
         let handle = unsafe { model.commit(self.api, self.handle, flags) };
         // SAFETY: the device is alive.
         let error = unsafe { (self.api.device_error)(self.handle) };

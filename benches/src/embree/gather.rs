@@ -13,7 +13,8 @@ use super::trace::{Door, Valid};
 /// A hit of a ray of a block.
 #[derive(Debug, Clone, Copy)]
 struct Found {
-    /// The ray's number in the block, then the bits of `t`, which is not negative: it sorts by both.
+    /// The ray's number in the block, then the bits of `t`, which is not negative: it sorts by
+    /// both.
     order: u64,
     /// Object, primitive, and the bits of u and v, as firsthit gives them.
     surface: [u32; 4],
@@ -83,8 +84,9 @@ mod field {
 
 /// Keeps every hit, and refuses it.
 unsafe extern "C" fn keep(arguments: *const FilterArguments) {
-    // SAFETY: Embree gives its arguments, alive during the call. The context is the one that `gather` made, which nothing else
-    // uses meanwhile. Rays and hits have `lanes` numbers of 4 bytes in each field.
+    // SAFETY: Embree gives its arguments, alive during the call. The context is the one that
+    // `gather` made, which nothing else uses meanwhile. Rays and hits have `lanes` numbers of 4
+    // bytes in each field.
     unsafe {
         let FilterArguments { valid, context, rays, hits, lanes, .. } = arguments.read();
         let context = &mut *context.cast::<Context<'_>>();
@@ -113,7 +115,8 @@ impl Scene<'_> {
     /// All hits of all rays. The scene is one for filter functions.
     pub(crate) fn all_hits(&self, source: &impl Source, door: Door, gathered: &mut Gathered) {
         match (door, self.width) {
-            // SAFETY (of each call): the scene is committed and alive, and packets, valid masks and arguments are as in `first_hits`.
+            // SAFETY (of each call): the scene is committed and alive, and packets, valid masks and
+            // arguments are as in `first_hits`.
             (Door::Single, _) => gather::<1>(source, door, gathered, |_, packet, arguments| {
                 // SAFETY: see above.
                 unsafe { (self.api.intersect1)(self.handle, packet, arguments) }

@@ -1,5 +1,5 @@
-//! Objects in Embree's types: what is not moved is a geometry of the scene, what is moved an instance of a scene with one
-//! geometry, which all objects of that mesh share.
+//! Objects in Embree's types: what is not moved is a geometry of the scene, what is moved an
+//! instance of a scene with one geometry, which all objects of that mesh share.
 
 use std::collections::HashMap;
 use std::ffi::{c_int, c_void};
@@ -70,8 +70,8 @@ impl Model {
     ///
     /// The device is alive, and the model lives longer than the scene.
     pub(super) unsafe fn commit(&self, api: &Api, device: Handle, flags: c_int) -> Handle {
-        // SAFETY: everything used here is alive, as the caller says or as it was just made. Attached geometries and instanced
-        // scenes are kept by what they are in.
+        // SAFETY: everything used here is alive, as the caller says or as it was just made.
+        // Attached geometries and instanced scenes are kept by what they are in.
         unsafe {
             let new_scene = || {
                 let scene = (api.new_scene)(device);
@@ -120,8 +120,8 @@ impl Form {
     ///
     /// The device is alive, and `self` lives longer than the geometry.
     unsafe fn geometry(&self, api: &Api, device: Handle) -> Handle {
-        // SAFETY: what the caller says. Sizes are those of the arrays, and vertices are followed by one more, so that the last
-        // one may be read as 16 bytes.
+        // SAFETY: what the caller says. Sizes are those of the arrays, and vertices are followed by
+        // one more, so that the last one may be read as 16 bytes.
         unsafe {
             let share = |geometry, buffer, format, from: *const c_void, each, count| {
                 (api.set_shared_buffer)(geometry, buffer, 0, format, from, 0, each, count);

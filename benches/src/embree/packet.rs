@@ -1,4 +1,5 @@
-//! Embree's packets: `RTCRay`, `RTCRay8`, `RTCRay16` and what belongs to them, by their number of rays.
+//! Embree's packets: `RTCRay`, `RTCRay8`, `RTCRay16` and what belongs to them, by their number of
+//! rays.
 
 /// The number of no geometry.
 pub(super) const INVALID: u32 = u32::MAX;

@@ -37,7 +37,8 @@ impl Plane {
             let from: *const __m128i = (&raw const *line).cast();
             let to: *mut __m128i = (&raw mut *target).cast();
             for quarter in 0..4 {
-                // SAFETY: both lines are alive, 64 bytes long and aligned to 64; SSE2 is part of x86-64.
+                // SAFETY: both lines are alive, 64 bytes long and aligned to 64; SSE2 is part of
+                // x86-64.
                 unsafe { _mm_stream_si128(to.add(quarter), _mm_load_si128(from.add(quarter))) };
             }
         }

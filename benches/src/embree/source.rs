@@ -14,14 +14,15 @@ pub(crate) trait Source {
     fn len(&self) -> usize;
     /// Fills in the rays of `block` from its ray `first` on.
     fn fill<const N: usize>(&self, block: usize, first: usize, rays: &mut Rays<N>);
-    /// Puts the results of the packet that begins with ray `first` where they belong in their block.
+    /// Puts the results of the packet that begins with ray `first` where they belong in their
+    /// block.
     fn place<const N: usize>(first: usize, results: &[u32; N], block: &mut [u32; BLOCK]);
     /// The place of line `line` of a block's results among all lines.
     fn line(&self, block: usize, line: usize) -> usize;
 }
 
-/// The rays of a camera, made when they are needed, in float32: tiles of 16 x 16 pixels along a curve that
-/// keeps neighbours together, packets of 4 x 4 (or 4 x 2) pixels.
+/// The rays of a camera, made when they are needed, in float32: tiles of 16 x 16 pixels along a
+/// curve that keeps neighbours together, packets of 4 x 4 (or 4 x 2) pixels.
 #[derive(Debug)]
 pub(crate) struct Pixels {
     side: usize,

@@ -58,8 +58,8 @@ impl Scene<'_> {
     pub(crate) fn first_hits(&self, source: &impl Source, door: Door, answers: &mut Answers) {
         let mut arguments = Arguments::new(door == Door::Coherent);
         let arguments = &raw mut arguments;
-        // SAFETY (of the calls below): the scene is committed and alive; packets and valid masks are laid
-        // out and aligned as Embree's headers want them; the arguments outlive the calls.
+        // SAFETY (of the calls below): the scene is committed and alive; packets and valid masks
+        // are laid out and aligned as Embree's headers want them; the arguments outlive the calls.
         match (door, self.width) {
             (Door::Single, _) => {
                 first_hits::<1, _>(source, answers, |_, packet| {
@@ -120,8 +120,8 @@ impl Scene<'_> {
     }
 }
 
-/// Defines `$name` as `$slow`, run with the processor's wide registers where it has them: filling packets
-/// must not hold Embree up.
+/// Defines `$name` as `$slow`, run with the processor's wide registers where it has them: filling
+/// packets must not hold Embree up.
 macro_rules! wide {
     ($name:ident, $slow:ident, $packet:ident) => {
         fn $name<const N: usize, S: Source>(

@@ -1,5 +1,5 @@
-//! Rays that begin where others ended, and rays from anywhere. Their numbers are float32 ones, so that
-//! both sides get the same rays to the last bit.
+//! Rays that begin where others ended, and rays from anywhere. Their numbers are float32 ones, so
+//! that both sides get the same rays to the last bit.
 
 use std::f64::consts::TAU;
 
@@ -68,8 +68,8 @@ impl Surface {
         self.points().map(shadow).collect()
     }
 
-    /// Four from each point over the half-space above it, as long as `reach`. Where that were more than
-    /// `most`, whole tiles are left out, evenly.
+    /// Four from each point over the half-space above it, as long as `reach`. Where that were more
+    /// than `most`, whole tiles are left out, evenly.
     pub(super) fn around(&self, reach: f64, most: usize) -> Vec<Ray> {
         let mut random = Random(1);
         let all = 4 * self.points().count();

@@ -38,7 +38,8 @@ impl Look {
         self.through(&lens, side)
     }
 
-    /// The perspective camera with the distortion of a usual wide-angle lens: at the corners 12 % of the radius.
+    /// The perspective camera with the distortion of a usual wide-angle lens: at the corners 12 %
+    /// of the radius.
     pub(crate) fn distorted(&self, side: usize) -> Result<Camera, String> {
         let camera = self.camera(false, side)?;
         let matrix = camera.pixel_matrix().ok_or("the camera has no matrix")?;
@@ -55,8 +56,8 @@ impl Look {
         self.through(&Lens::OpenCv(Calibrated::new(matrix, barrel)), side)
     }
 
-    /// A fisheye that sees half of the sphere in a circle that touches the edges, and more in the corners: Embree takes a pixel
-    /// without a ray for one that may meet everything.
+    /// A fisheye that sees half of the sphere in a circle that touches the edges, and more in the
+    /// corners: Embree takes a pixel without a ray for one that may meet everything.
     pub(crate) fn fisheye(&self, side: usize) -> Result<Camera, String> {
         let said = |error: firsthit::Error| error.to_string();
         let half = Lens::with_fov(Projection::Equidistant, 180.0, side, side).map_err(said)?;

@@ -1,6 +1,8 @@
-//! Shapes, which rays meet, and the trees over triangles and objects, which rule out what a ray cannot meet.
+//! Shapes, which rays meet, and the trees over triangles and objects, which rule out what a ray
+//! cannot meet.
 //!
-//! It knows meshes, each in its own space. It may never know an object, a material, a lens or an engine.
+//! It knows meshes, each in its own space. It may never know an object, a material, a lens or an
+//! engine.
 //!
 //! Internal: it promises nothing to other programs. Use `firsthit`.
 

@@ -22,17 +22,19 @@ pub(crate) use files::{labelled, matrix_of_file, of_file};
 /// 16,384 squared: more is a slip of the finger more often than a picture.
 const MOST_PIXELS: usize = 1 << 28;
 
-/// Scenes that reach further have no place from which a camera sees them: squares are infinite there.
+/// Scenes that reach further have no place from which a camera sees them: squares are infinite
+/// there.
 const FARTHEST: f64 = 1e150;
 
-/// The camera of a picture, and what of it was guessed: in words, each with the option that says otherwise.
+/// The camera of a picture, and what of it was guessed: in words, each with the option that says
+/// otherwise.
 pub(crate) struct Chosen {
     pub(crate) camera: Camera,
     pub(crate) guessed: Vec<String>,
 }
 
-/// The camera that the arguments describe, in place of what the camera of the model's file, `base`, says; what both
-/// leave open, the scene decides.
+/// The camera that the arguments describe, in place of what the camera of the model's file, `base`,
+/// says; what both leave open, the scene decides.
 pub(crate) fn camera(
     args: &CameraArgs,
     (file, base): (&Path, &Description),

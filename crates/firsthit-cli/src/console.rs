@@ -28,7 +28,8 @@ pub(crate) fn warn<T: Display>(warnings: &[T]) {
     });
 }
 
-/// A value as JSON for programs, on lines for people: names from files cannot write to the terminal.
+/// A value as JSON for programs, on lines for people: names from files cannot write to the
+/// terminal.
 pub(crate) fn json_text(value: &Value) -> String {
     escape_controls_of_json(&format!("{value:#}"))
 }
@@ -93,7 +94,8 @@ pub(crate) fn end_report(mut done: Value) -> std::io::Result<()> {
     writeln!(std::io::stdout().lock(), "{}", json_text(&done))
 }
 
-/// Prints the report of a failure. Returns whether it went to standard error, where it replaces the line for people.
+/// Prints the report of a failure. Returns whether it went to standard error, where it replaces the
+/// line for people.
 pub(crate) fn end_report_with_error(message: &str, exit_code: u8) -> bool {
     let is_beside_data = with_report(|report| report.as_ref().is_some_and(|r| r.is_beside_data));
     // A closed stream is no second failure.
@@ -108,7 +110,8 @@ pub(crate) fn print(text: &str) -> Result<(), Failure> {
     written.map_err(|error| Failure::stdout(&error))
 }
 
-/// Reports, once, that Ctrl-C was heard: who was at work does, or the handler when that takes too long.
+/// Reports, once, that Ctrl-C was heard: who was at work does, or the handler when that takes too
+/// long.
 pub(crate) fn report_interrupted() {
     static SAID: Once = Once::new();
     SAID.call_once(|| {

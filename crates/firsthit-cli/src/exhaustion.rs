@@ -1,9 +1,10 @@
 //! Handles the end of memory in the middle of something.
 //!
-//! Whatever a file's counts ask for is asked of the system in a way that can fail, and is an error like any
-//! other. What is small or in foreign code is not: there the standard library says `memory allocation of N
-//! bytes failed`, with a second line or a trace as `RUST_BACKTRACE` asks, and aborts the process. We turn the
-//! abort into an orderly exit; the lines are the standard library's.
+//! Whatever a file's counts ask for is asked of the system in a way that can fail, and is an error
+//! like any other. What is small or in foreign code is not: there the standard library says `memory
+//! allocation of N bytes failed`, with a second line or a trace as `RUST_BACKTRACE` asks, and
+//! aborts the process. We turn the abort into an orderly exit; the lines are the standard
+//! library's.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -20,8 +21,8 @@ pub(crate) fn catch() -> Exhaustion {
         use crate::failure::{INTERNAL, LIMIT};
         use signal_hook::consts::SIGABRT;
         use signal_hook::flag::register_conditional_shutdown as shut_down;
-        // In this order: the first whose flag is set ends the process. That a handler cannot be registered
-        // takes nothing away from what works without.
+        // In this order: the first whose flag is set ends the process. That a handler cannot be
+        // registered takes nothing away from what works without.
         let always = Arc::new(AtomicBool::new(true));
         let _ = shut_down(SIGABRT, LIMIT.into(), Arc::clone(&likely))
             .and_then(|_| shut_down(SIGABRT, INTERNAL.into(), always));

@@ -4,7 +4,8 @@ use std::fmt::Write;
 
 use firsthit::channel::KINDS;
 
-// Examples keep within 80 columns: broken anew, they could not be copied. Prose is one line, to be broken.
+// Examples keep within 80 columns: broken anew, they could not be copied. Prose is one line, to be
+// broken.
 pub(crate) const EXAMPLES: &str = "\
 Examples:
   firsthit demo                         the embedded scene, no file needed

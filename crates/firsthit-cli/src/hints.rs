@@ -38,7 +38,8 @@ pub(crate) fn hints(scene: &Scene, camera: &Camera, hits: usize) -> Vec<String> 
     hints
 }
 
-/// The warning that all `points` are farther from the scene than its own size: their units may be others.
+/// The warning that all `points` are farther from the scene than its own size: their units may be
+/// others.
 pub(crate) fn far_off(scene: &Scene, points: impl IntoIterator<Item = DVec3>) -> Option<String> {
     let bounds = scene.bounds();
     let is_far = |point: DVec3| {

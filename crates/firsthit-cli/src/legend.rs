@@ -60,7 +60,8 @@ fn has_extension(path: &Path, wanted: &str) -> bool {
     extension.eq_ignore_ascii_case(wanted)
 }
 
-/// The table of the objects that pixels show: misses, then all objects in the order of their numbers, seen or not.
+/// The table of the objects that pixels show: misses, then all objects in the order of their
+/// numbers, seen or not.
 pub(crate) fn rows<'a>(scene: &'a Scene, seen: &[i32]) -> Vec<Row<'a>> {
     let objects = scene.objects();
     let mut misses = 0;

@@ -33,9 +33,9 @@ use args::{Cli, Command};
 use failure::Failure;
 use progress::Progress;
 
-/// Runs the program with its arguments, the first of which is its own name, and returns the exit code: 0
-/// done, 1 outputs that differ or findings of lint, 2 wrong usage, 3 bad input, 4 the output could not be written, 5 a limit was reached, 70 a bug of
-/// ours, 130 interrupted.
+/// Runs the program with its arguments, the first of which is its own name, and returns the exit
+/// code: 0 done, 1 outputs that differ or findings of lint, 2 wrong usage, 3 bad input, 4 the
+/// output could not be written, 5 a limit was reached, 70 a bug of ours, 130 interrupted.
 pub fn run<I, T>(args: I) -> u8
 where
     I: IntoIterator<Item = T>,
@@ -49,8 +49,8 @@ where
         Err(error) => return usage::report(error),
     };
     let exhaustion = exhaustion::catch();
-    // A panic is a bug of ours; the user gets one line of it, not a trace. What the library catches of another
-    // crate's panics is the file's fault, and gets no line here.
+    // A panic is a bug of ours; the user gets one line of it, not a trace. What the library catches
+    // of another crate's panics is the file's fault, and gets no line here.
     let last = Arc::new(Mutex::new(String::new()));
     let noted = Arc::clone(&last);
     std::panic::set_hook(Box::new(move |panic| {

@@ -118,7 +118,8 @@ impl Loaded {
         )))
     }
 
-    /// The scene without the objects that the arguments leave out, and with translucent surfaces cut out as they say.
+    /// The scene without the objects that the arguments leave out, and with translucent surfaces
+    /// cut out as they say.
     pub(crate) fn picked(mut self, args: &PickArgs) -> Result<Self, Failure> {
         let objects = self.scene.objects();
         let mut is_hidden = vec![!args.only.is_empty(); objects.len()];

@@ -44,8 +44,8 @@ impl Drop for Keeping {
     }
 }
 
-/// Follows the run, step by step: a bar on standard error if that is a terminal, a line for each step that is done if
-/// those are asked for, and the flag of Ctrl-C.
+/// Follows the run, step by step: a bar on standard error if that is a terminal, a line for each
+/// step that is done if those are asked for, and the flag of Ctrl-C.
 pub(crate) struct Progress {
     bar: ProgressBar,
     interrupted: Arc<AtomicBool>,
@@ -78,8 +78,8 @@ impl Progress {
         progress
     }
 
-    /// Turns Ctrl-C into a flag, and ends the program if that has not ended it within a moment. Nothing is lost
-    /// by that: outputs are whole files from one instant to the next, or not there.
+    /// Turns Ctrl-C into a flag, and ends the program if that has not ended it within a moment.
+    /// Nothing is lost by that: outputs are whole files from one instant to the next, or not there.
     pub(crate) fn catch_interrupts(&self) {
         let (flag, bar) = (Arc::clone(&self.interrupted), self.bar.clone());
         // Fails only where somebody else has a handler: then Ctrl-C is theirs.

@@ -12,8 +12,8 @@ use crate::console::{end_report_with_error, say};
 use crate::failure::USAGE;
 use crate::loading::has_model_extension;
 
-/// Prints what was asked for, help or version, or what is wrong with the command line; returns the exit
-/// code.
+/// Prints what was asked for, help or version, or what is wrong with the command line; returns the
+/// exit code.
 pub(crate) fn report(mut error: Error) -> u8 {
     if let Some(option) = swapped(&error) {
         error.insert(ContextKind::SuggestedArg, ContextValue::String(option));

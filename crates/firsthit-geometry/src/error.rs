@@ -134,14 +134,15 @@ impl fmt::Display for Place {
     }
 }
 
-/// A path or a name from a file as one line of printable text: what [`escape_controls`] escapes is escaped, so
-/// that a hostile name cannot write to the terminal.
+/// A path or a name from a file as one line of printable text: what [`escape_controls`] escapes is
+/// escaped, so that a hostile name cannot write to the terminal.
 pub fn escaped(path: &Path) -> String {
     escape_controls(&path.to_string_lossy())
 }
 
-/// `text` as one line whose every character is seen: control characters, the marks that reorder a line of
-/// text, line separators and characters without a glyph are escaped. Text that is escaped already stays as it is.
+/// `text` as one line whose every character is seen: control characters, the marks that reorder a
+/// line of text, line separators and characters without a glyph are escaped. Text that is escaped
+/// already stays as it is.
 ///
 /// ```
 /// use firsthit::error::escape_controls;
@@ -175,8 +176,8 @@ pub fn there_are(names: &[String], none: &str) -> String {
     }
 }
 
-/// JSON whose strings have the characters that [`escape_controls`] escapes as JSON's own escapes: it can be shown on a
-/// terminal, and its strings are those of `json`.
+/// JSON whose strings have the characters that [`escape_controls`] escapes as JSON's own escapes:
+/// it can be shown on a terminal, and its strings are those of `json`.
 ///
 /// ```
 /// use firsthit::error::escape_controls_of_json;
@@ -199,9 +200,10 @@ pub fn escape_controls_of_json(json: &str) -> String {
     text
 }
 
-/// Whether a character does something to a text without being seen in it, which would disguise a name or write
-/// to the terminal: controls, and Unicode's default ignorable and line-breaking characters. Joiners and variation
-/// selectors are none: names in Persian or Sinhala are spelt with them, and they move nothing.
+/// Whether a character does something to a text without being seen in it, which would disguise a
+/// name or write to the terminal: controls, and Unicode's default ignorable and line-breaking
+/// characters. Joiners and variation selectors are none: names in Persian or Sinhala are spelt with
+/// them, and they move nothing.
 fn is_unseen(c: char) -> bool {
     c.is_control()
         || matches!(c,

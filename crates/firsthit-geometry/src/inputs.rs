@@ -32,13 +32,14 @@ fn files() -> MutexGuard<'static, Files> {
     FILES.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Begins a run: what was read and written before is of another one. A program calls it for each of its commands.
+/// Begins a run: what was read and written before is of another one. A program calls it for each of
+/// its commands.
 pub fn begin_run() {
     *files() = Files::NONE;
 }
 
-/// Notes that the file at `path` is read: from now on nothing is written over it. What is no regular file, or not there, is not noted,
-/// nor is a file that this process wrote.
+/// Notes that the file at `path` is read: from now on nothing is written over it. What is no
+/// regular file, or not there, is not noted, nor is a file that this process wrote.
 ///
 /// The readers of this crate note what they open. A caller that reads by itself calls this.
 pub fn note(path: &Path) {

@@ -1,5 +1,6 @@
-//! Rays, hits, pixel grids, boxes, transforms, colours and exact arithmetic, and what every crate of firsthit needs: errors, the loop over
-//! all threads, how a caller watches it, and which files were read.
+//! Rays, hits, pixel grids, boxes, transforms, colours and exact arithmetic, and what every crate
+//! of firsthit needs: errors, the loop over all threads, how a caller watches it, and which files
+//! were read.
 //!
 //! It may never know what a scene, a camera or a file format is.
 //!

@@ -1,7 +1,7 @@
 //! Work in parts, by all threads of the current rayon pool.
 //!
-//! Here is the one loop: it calls what it does by pointer, once for each part. A parallel iterator of rayon's is compiled for each closure
-//! anew, 8 kB of code and more.
+//! Here is the one loop: it calls what it does by pointer, once for each part. A parallel iterator
+//! of rayon's is compiled for each closure anew, 8 kB of code and more.
 //!
 //! One part is done by the calling thread, without a pool.
 
@@ -33,7 +33,8 @@ pub fn try_each<P: Send>(
     try_run(parts.len(), &|number| work(parts[number].take()))
 }
 
-/// [`try_each`] with scratch memory that `new` makes, at most once for each part that is under way at the same time.
+/// [`try_each`] with scratch memory that `new` makes, at most once for each part that is under way
+/// at the same time.
 pub fn try_each_with<S: Send, P: Send>(
     new: impl Fn() -> Result<S> + Sync,
     parts: impl IntoIterator<Item = P>,
@@ -104,8 +105,9 @@ pub fn all<P: Send>(parts: impl IntoIterator<Item = P>, is_so: impl Fn(P) -> boo
 
 /// The value of a cell, computed when it is first asked for.
 ///
-/// Several threads that ask at the same time compute it each, and the first value is kept. No thread waits for another's computation: in a
-/// forked process that thread does not exist, and a thread of a pool that waits may take up work that asks for the same value.
+/// Several threads that ask at the same time compute it each, and the first value is kept. No
+/// thread waits for another's computation: in a forked process that thread does not exist, and a
+/// thread of a pool that waits may take up work that asks for the same value.
 #[expect(clippy::disallowed_methods, reason = "the value is there already")]
 pub fn once<T>(cell: &OnceLock<T>, compute: impl FnOnce() -> T) -> &T {
     if let Some(value) = cell.get() {

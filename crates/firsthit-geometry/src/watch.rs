@@ -6,8 +6,9 @@ use crate::error::{Error, Result};
 ///
 /// The library calls it from all its threads, every few hundred rays. `()` follows nothing.
 pub trait Watch: Sync {
-    /// A step begins, of which `total` units will be done: reading a file, building trees. The count starts at 0. Rays and points are
-    /// shot without one: their caller knows how many there are.
+    /// A step begins, of which `total` units will be done: reading a file, building trees. The
+    /// count starts at 0. Rays and points are shot without one: their caller knows how many there
+    /// are.
     fn begin(&self, step: &str, total: u64, unit: &'static str) {
         let _ = (step, total, unit);
     }
@@ -17,8 +18,8 @@ pub trait Watch: Sync {
         let _ = count;
     }
 
-    /// Whether to give up: the computation then ends soon with [`Error::Interrupted`]. Once true it must stay so: what a step
-    /// gives up is of no use to the next one, which asks again.
+    /// Whether to give up: the computation then ends soon with [`Error::Interrupted`]. Once true it
+    /// must stay so: what a step gives up is of no use to the next one, which asks again.
     fn is_stopped(&self) -> bool {
         false
     }
@@ -39,7 +40,8 @@ pub fn stop_if_asked(watch: &dyn Watch) -> Result<()> {
     Ok(())
 }
 
-/// Tells another watch of the progress, and is not stopped by it: for a step that is of no use in part.
+/// Tells another watch of the progress, and is not stopped by it: for a step that is of no use in
+/// part.
 #[doc(hidden)]
 pub struct OnlyCounts<'a>(pub &'a dyn Watch);
 
@@ -53,7 +55,8 @@ impl Watch for OnlyCounts<'_> {
     }
 }
 
-/// Stops what another watch stops, and tells it of no progress: for a step of something whose progress is counted otherwise.
+/// Stops what another watch stops, and tells it of no progress: for a step of something whose
+/// progress is counted otherwise.
 #[doc(hidden)]
 pub struct OnlyStops<'a>(pub &'a dyn Watch);
 

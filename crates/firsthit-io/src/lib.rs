@@ -1,6 +1,7 @@
 //! Readers of meshes, models and environment maps, and the only door to their files.
 //!
-//! A file is untrusted. This crate may never know how its scene looks in a picture: no shader, no sensor.
+//! A file is untrusted. This crate may never know how its scene looks in a picture: no shader, no
+//! sensor.
 //!
 //! Internal: it promises nothing to other programs. Use `firsthit`.
 

@@ -45,7 +45,8 @@ pub struct ChannelKind {
     pub name: Cow<'static, str>,
     /// One line for help texts: what it is, its unit, and its value for a miss.
     pub about: &'static str,
-    /// Numbers for each ray; 0 where these are not known yet: of an attribute the scene decides, of numbers of one's own these do.
+    /// Numbers for each ray; 0 where these are not known yet: of an attribute the scene decides, of
+    /// numbers of one's own these do.
     pub components: usize,
     /// The colour scale in a picture.
     pub display: Display,
@@ -112,7 +113,8 @@ impl ChannelKind {
         matches!(self.make, Make::Distance(_) | Make::Valid)
     }
 
-    /// Fails for a distance along the aim of a sensor that has none, and for edges of one that is no camera.
+    /// Fails for a distance along the aim of a sensor that has none, and for edges of one that is
+    /// no camera.
     ///
     /// # Errors
     ///
@@ -167,7 +169,8 @@ impl ChannelKind {
         matches!(self.make, Make::Color | Make::Alpha | Make::Samples)
     }
 
-    /// Whether it is made from all samples of a pixel, by `render`; other channels are those of the pixel's centre.
+    /// Whether it is made from all samples of a pixel, by `render`; other channels are those of the
+    /// pixel's centre.
     pub fn needs_samples(&self) -> bool {
         let of_samples = matches!(self.make, Make::Matte(_) | Make::Occlusion(_));
         self.needs_shade() || of_samples
@@ -181,7 +184,8 @@ impl ChannelKind {
         }
     }
 
-    /// The channel of colours before a transparent background: four components, of which the last is the coverage (alpha).
+    /// The channel of colours before a transparent background: four components, of which the last
+    /// is the coverage (alpha).
     pub fn transparent_channel(&self, data: Data) -> Channel {
         let mut channel = self.channel(data);
         channel.components = 4;
@@ -189,7 +193,8 @@ impl ChannelKind {
         channel
     }
 
-    /// The channel of this kind with `data`, which [`Frame::push`](crate::image::Frame::push) checks.
+    /// The channel of this kind with `data`, which [`Frame::push`](crate::image::Frame::push)
+    /// checks.
     pub fn channel(&self, data: Data) -> Channel {
         Channel {
             name: self.name.clone(),
@@ -220,8 +225,8 @@ impl Matte {
     }
 }
 
-/// The camera that a sensor is, if it is one; not that of one that moves. The rays of others make no picture in which a point has one
-/// place.
+/// The camera that a sensor is, if it is one; not that of one that moves. The rays of others make
+/// no picture in which a point has one place.
 pub(crate) fn still_camera(sensor: &dyn Sensor) -> Option<&Camera> {
     match sensor.record() {
         Record::Camera(_) => sensor.camera(),
@@ -232,13 +237,14 @@ pub(crate) fn still_camera(sensor: &dyn Sensor) -> Option<&Camera> {
 /// The number of rays that a thread takes at a time.
 const CHUNK: usize = 1 << 12;
 
-/// Channels of hits, by all threads of the current rayon pool; of few rays by the calling thread alone. Each hit is looked up
-/// once for all of them. `watch` is told of every ray once.
+/// Channels of hits, by all threads of the current rayon pool; of few rays by the calling thread
+/// alone. Each hit is looked up once for all of them. `watch` is told of every ray once.
 ///
 /// # Errors
 ///
-/// [`Error::Limit`] when they do not fit into memory, [`Error::Argument`] for colours, for a channel that needs a sensor where
-/// there is none, and for an attribute that no mesh has, [`Error::Interrupted`] when `watch` stops it.
+/// [`Error::Limit`] when they do not fit into memory, [`Error::Argument`] for colours, for a
+/// channel that needs a sensor where there is none, and for an attribute that no mesh has,
+/// [`Error::Interrupted`] when `watch` stops it.
 pub fn make(
     kinds: &[&ChannelKind],
     shots: &ChannelInput<'_>,
@@ -369,7 +375,8 @@ impl<'a> ChannelChunk<'a> {
     }
 }
 
-/// Fills the parts of channels that belong to `count` rays from `first` on, where they hit something.
+/// Fills the parts of channels that belong to `count` rays from `first` on, where they hit
+/// something.
 fn fill(shots: &ChannelInput<'_>, first: usize, count: usize, parts: &mut [ChannelChunk<'_>]) {
     let met = |k: usize| Some(shots.hits.get(first + k)).filter(|hit| !hit.is_miss());
     for part in &mut *parts {

@@ -66,18 +66,20 @@ pub struct Picture<'a> {
     pub channels: &'a [&'a ChannelKind],
     /// The number of samples of a pixel; 1 is the pixel's centre.
     pub samples: u32,
-    /// A threshold: where the standard error of a pixel's brightness is below this, no more samples are taken. It is checked after 32, 64,
-    /// 128, ... samples, for tiles of 16 x 16 pixels with their neighbours. Brightness is as sRGB shows it, 1 being white, and over white
-    /// where the background is transparent. `None`: all pixels get as many samples.
+    /// A threshold: where the standard error of a pixel's brightness is below this, no more samples
+    /// are taken. It is checked after 32, 64, 128, ... samples, for tiles of 16 x 16 pixels with
+    /// their neighbours. Brightness is as sRGB shows it, 1 being white, and over white where the
+    /// background is transparent. `None`: all pixels get as many samples.
     pub noise: Option<f64>,
-    /// The side of surfaces that the sensor's rays pass through, as into a room through its walls. Those that a shader shoots do not.
+    /// The side of surfaces that the sensor's rays pass through, as into a room through its walls.
+    /// Those that a shader shoots do not.
     pub cull: Option<Side>,
     /// The part to make; the bytes are those of that part of the whole picture.
     pub region: Option<Region>,
     /// The engine that finds the hits.
     pub engine: &'a dyn Engine,
-    /// Lines along edges, over the colours. The channel `edge` has them as they are said here, or else those of
-    /// [`Edges::default`].
+    /// Lines along edges, over the colours. The channel `edge` has them as they are said here, or
+    /// else those of [`Edges::default`].
     pub edges: Option<Edges>,
 }
 
@@ -87,9 +89,9 @@ summary!(
 
 /// A picture of `scene`: a frame with the `channels`, row 0 at the top.
 ///
-/// With more than one of `samples`, a pixel's colour is the mean over that many points of it; all other
-/// channels are those of the pixel's centre. With a camera that has an aperture, each sample comes from another point of the lens too.
-/// The result does not depend on the number of threads.
+/// With more than one of `samples`, a pixel's colour is the mean over that many points of it; all
+/// other channels are those of the pixel's centre. With a camera that has an aperture, each sample
+/// comes from another point of the lens too. The result does not depend on the number of threads.
 ///
 /// ```
 /// use firsthit::{Camera, DVec3, Object, Scene, Shader, Sphere, channel, render};
@@ -105,9 +107,9 @@ summary!(
 ///
 /// # Errors
 ///
-/// [`Error::Argument`] for no samples, and for a single one of a camera with an aperture, whose colours would
-/// be a pinhole's; [`Error::Limit`] when the picture does not
-/// fit into memory, [`Error::Interrupted`] when `watch` stops it.
+/// [`Error::Argument`] for no samples, and for a single one of a camera with an aperture, whose
+/// colours would be a pinhole's; [`Error::Limit`] when the picture does not fit into memory,
+/// [`Error::Interrupted`] when `watch` stops it.
 pub fn render(
     scene: &Scene,
     sensor: &dyn Sensor,
@@ -153,7 +155,8 @@ impl<'a> Picture<'a> {
     ///
     /// # Errors
     ///
-    /// The errors of [`render()`], and [`Error::Argument`] for a region that is no part of the picture.
+    /// The errors of [`render()`], and [`Error::Argument`] for a region that is no part of the
+    /// picture.
     pub fn render(&self, watch: &dyn Watch) -> Result<Frame> {
         let mut origin = None;
         let mut whole: Vec<Channel> = Vec::new();
@@ -162,7 +165,8 @@ impl<'a> Picture<'a> {
         let pixels = rows.saturating_mul(columns);
         self.render_to(watch, &mut |part: Frame| {
             if origin.is_none() {
-                // The first part begins where the whole does, and where a noise ends the samples there are no other parts.
+                // The first part begins where the whole does, and where a noise ends the samples
+                // there are no other parts.
                 origin = Some(part.origin().clone());
                 whole = part.into_channels();
                 return whole
@@ -181,8 +185,8 @@ impl<'a> Picture<'a> {
         Ok(frame)
     }
 
-    /// Makes the picture and hands it on in parts, from the top to the bottom: each has some of the rows and all the columns of
-    /// the region.
+    /// Makes the picture and hands it on in parts, from the top to the bottom: each has some of the
+    /// rows and all the columns of the region.
     ///
     /// # Errors
     ///
@@ -252,8 +256,8 @@ impl<'a> Picture<'a> {
     ///
     /// # Errors
     ///
-    /// The errors of [`Picture::render`], and [`Error::Argument`] for the state of another picture, and for a channel
-    /// that would be missing.
+    /// The errors of [`Picture::render`], and [`Error::Argument`] for the state of another picture,
+    /// and for a channel that would be missing.
     pub fn resume(&'a self, state: &Frame) -> Result<Progressive<'a>> {
         self.resume_checked(&(), |_| Ok(Cow::Borrowed(state)))
     }
@@ -329,7 +333,8 @@ impl<'a> Picture<'a> {
         self.channels.iter().any(|kind| kind.needs_samples())
     }
 
-    /// A recipe whose digest knows which side of surfaces the sensor's rays pass through, and which noise ends the samples.
+    /// A recipe whose digest knows which side of surfaces the sensor's rays pass through, and which
+    /// noise ends the samples.
     fn complete(&self, recipe: Recipe) -> Recipe {
         let mut digest = Digest::default();
         digest.word(&recipe.digest);
@@ -346,7 +351,8 @@ impl<'a> Picture<'a> {
         Recipe { digest: digest.name(), ..recipe }
     }
 
-    /// An empty frame of a region that says where it comes from; `samples` is the most that a pixel has.
+    /// An empty frame of a region that says where it comes from; `samples` is the most that a pixel
+    /// has.
     fn frame(&self, region: &Region, samples: u32) -> Frame {
         let first_pixel = [region.rows.start as u64, region.columns.start as u64];
         let origin = origin(self.scene, Some(self.sensor), Some(samples), self.channels);
@@ -365,8 +371,9 @@ pub struct Progressive<'a> {
 }
 
 impl Progressive<'_> {
-    /// Adds the next sample. N of them, one after the other, give the bytes of N at once, whatever [`Picture::samples`] says. Returns
-    /// whether it did: with a [`Picture::noise`], a picture that is quiet has had its last.
+    /// Adds the next sample. N of them, one after the other, give the bytes of N at once, whatever
+    /// [`Picture::samples`] says. Returns whether it did: with a [`Picture::noise`], a picture that
+    /// is quiet has had its last.
     ///
     /// # Errors
     ///
@@ -398,7 +405,8 @@ impl Progressive<'_> {
     ///
     /// # Errors
     ///
-    /// [`Error::Argument`] before the first sample, and [`Error::Limit`] when it does not fit into memory.
+    /// [`Error::Argument`] before the first sample, and [`Error::Limit`] when it does not fit into
+    /// memory.
     pub fn frame(&self) -> Result<Frame> {
         let is_begun = self.samples() > 0;
         require("frame", "that of a picture with a sample", is_begun, "none")?;
@@ -495,8 +503,9 @@ pub const fn default_samples(is_random: bool) -> u32 {
 /// The default background of pictures.
 pub const BACKGROUND: Background = Background::NEUTRAL;
 
-/// The default camera: a perspective one, with a vertical field of view of 45 degrees, in which a standard view of `scene` fills
-/// a picture of `rows` and `columns`, with `up` upwards. An empty or infinite scene counts as the box from -1 to 1.
+/// The default camera: a perspective one, with a vertical field of view of 45 degrees, in which a
+/// standard view of `scene` fills a picture of `rows` and `columns`, with `up` upwards. An empty or
+/// infinite scene counts as the box from -1 to 1.
 ///
 /// ```
 /// use firsthit::{DVec3, Object, Scene, Sphere, camera::StandardView, render::framing_camera};
@@ -509,8 +518,8 @@ pub const BACKGROUND: Background = Background::NEUTRAL;
 ///
 /// # Errors
 ///
-/// [`Error::Argument`] for an `up` that is zero or not finite, for no rows or columns, and for a scene
-/// too far away to be framed.
+/// [`Error::Argument`] for an `up` that is zero or not finite, for no rows or columns, and for a
+/// scene too far away to be framed.
 pub fn framing_camera(
     scene: &Scene,
     up: DVec3,

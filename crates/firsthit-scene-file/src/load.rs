@@ -63,8 +63,8 @@ fn formats() -> impl Iterator<Item = Reader> + Clone {
     FORMATS.iter().map(Reader::Model).chain(worlds)
 }
 
-/// Reads the file at `path`. Its extension tells the format. A file packed by gzip is unpacked; its name may end with
-/// `.gz`.
+/// Reads the file at `path`. Its extension tells the format. A file packed by gzip is unpacked; its
+/// name may end with `.gz`.
 ///
 /// ```no_run
 /// use std::path::Path;
@@ -82,9 +82,10 @@ fn formats() -> impl Iterator<Item = Reader> + Clone {
 ///
 /// # Errors
 ///
-/// [`Error::Read`] when the system refuses, or `path` is no regular file; [`Error::Parse`] when the content or the
-/// extension is wrong; [`Error::TooLarge`] for more than `settings` allow, [`Error::Limit`] for more than
-/// identifiers hold, and [`Error::Argument`] for a scale that the file cannot have and a variant that there is not.
+/// [`Error::Read`] when the system refuses, or `path` is no regular file; [`Error::Parse`] when the
+/// content or the extension is wrong; [`Error::TooLarge`] for more than `settings` allow,
+/// [`Error::Limit`] for more than identifiers hold, and [`Error::Argument`] for a scale that the
+/// file cannot have and a variant that there is not.
 ///
 /// [`Error::Argument`]: crate::error::Error::Argument
 /// [`Error::Read`]: crate::error::Error::Read
@@ -124,8 +125,8 @@ fn with_variant(loaded: Loaded, settings: &LoadSettings) -> Result<Loaded> {
     }
 }
 
-/// Reads a file's content from memory. Messages call it `name`; the extension of `name` tells the format.
-/// No file that the content names, such as a texture, is opened: each is a warning.
+/// Reads a file's content from memory. Messages call it `name`; the extension of `name` tells the
+/// format. No file that the content names, such as a texture, is opened: each is a warning.
 ///
 /// # Errors
 ///
@@ -153,10 +154,12 @@ fn check_scale(format: Reader, settings: &LoadSettings) -> Result<()> {
     Ok(())
 }
 
-/// Reads an environment map, a picture of all directions by longitude and latitude: Radiance's `.hdr`, or with the feature `exr` an `.exr`.
-/// The file's first bytes tell which. Returns warnings beside it, ready to print.
+/// Reads an environment map, a picture of all directions by longitude and latitude: Radiance's
+/// `.hdr`, or with the feature `exr` an `.exr`. The file's first bytes tell which. Returns warnings
+/// beside it, ready to print.
 ///
-/// Texels are taken as they are, in linear light. NaN and negative numbers become 0, infinity becomes 65,504, with one warning.
+/// Texels are taken as they are, in linear light. NaN and negative numbers become 0, infinity
+/// becomes 65,504, with one warning.
 ///
 /// # Errors
 ///

@@ -22,14 +22,15 @@ pub(crate) use loaded::{Loaded, WorldFormat, unknown_variant};
 /// [`Scene`] that rays are shot at.
 #[derive(Clone, Default)]
 pub struct World {
-    /// The objects, in the order of their identifiers. Those without materials got no colour from the file.
+    /// The objects, in the order of their identifiers. Those without materials got no colour from
+    /// the file.
     pub objects: Vec<Object>,
     /// The cameras, in the file's order.
     pub cameras: Vec<NamedCamera>,
     /// The lights.
     pub lights: Vec<Light>,
-    /// Whether the first camera is the default one: scene files say how they are to be seen, models only how they
-    /// can be.
+    /// Whether the first camera is the default one: scene files say how they are to be seen, models
+    /// only how they can be.
     pub has_view: bool,
     /// The background, if the file has one.
     pub background: Option<Background>,
@@ -78,8 +79,9 @@ impl World {
         }
     }
 
-    /// The scene of the objects and the lights, with [`Scene::up`] as the file says, or as [`Scene::likely_up`] guesses
-    /// if it does not say. Cameras, background and the rest are dropped: take them before.
+    /// The scene of the objects and the lights, with [`Scene::up`] as the file says, or as
+    /// [`Scene::likely_up`] guesses if it does not say. Cameras, background and the rest are
+    /// dropped: take them before.
     ///
     /// ```
     /// use firsthit::world::World;

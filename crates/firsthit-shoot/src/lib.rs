@@ -1,4 +1,5 @@
-//! Rays to answers: engines, queries, nearest points, and what is inside. Nearly all kernels are compiled here.
+//! Rays to answers: engines, queries, nearest points, and what is inside. Nearly all kernels are
+//! compiled here.
 //!
 //! It may never know how an answer looks: no colour, no camera, no picture.
 //!

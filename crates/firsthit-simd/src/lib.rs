@@ -1,6 +1,8 @@
-//! Lanes, masks and instruction sets, for kernels that are written once, and memory: mapped, shared, or asked for before it is needed.
+//! Lanes, masks and instruction sets, for kernels that are written once, and memory: mapped,
+//! shared, or asked for before it is needed.
 //!
-//! All `unsafe` code of the library is here, and its other crates forbid it. It may never know what is traced: no shape, no tree.
+//! All `unsafe` code of the library is here, and its other crates forbid it. It may never know what
+//! is traced: no shape, no tree.
 //!
 //! Internal: it promises nothing to other programs. Use `firsthit`.
 

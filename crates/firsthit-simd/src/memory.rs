@@ -1,4 +1,5 @@
-//! Whether there is memory, asked before it is needed; what comes in large pages; and arrays in shared memory.
+//! Whether there is memory, asked before it is needed; what comes in large pages; and arrays in
+//! shared memory.
 
 use bytemuck::Zeroable;
 
@@ -9,15 +10,16 @@ pub use crate::simd::{BLOCK_ALIGNMENT, Block};
 
 /// Refuses what would take more memory than the system gives at this moment.
 ///
-/// To be asked before work of many allocations that cannot each fail in an orderly manner: in Rust a small
-/// one that fails ends the process. Under a limit on the address space (`ulimit -v`) the answer is exact, but
-/// for what other threads take meanwhile.
+/// To be asked before work of many allocations that cannot each fail in an orderly manner: in Rust
+/// a small one that fails ends the process. Under a limit on the address space (`ulimit -v`) the
+/// answer is exact, but for what other threads take meanwhile.
 ///
 /// # Errors
 ///
 /// [`Error::Limit`].
 pub fn check(what: &'static str, bytes: usize) -> Result<()> {
-    // WebAssembly's memory never shrinks again: what is not yet addressed is as good as free, and is not reserved for a try.
+    // WebAssembly's memory never shrinks again: what is not yet addressed is as good as free, and
+    // is not reserved for a try.
     #[cfg(target_arch = "wasm32")]
     if bytes <= unaddressed() {
         return Ok(());
@@ -41,7 +43,8 @@ fn unaddressed() -> usize {
     pages * PAGE_BYTES
 }
 
-/// A vector of `count` zeros, which cost nothing before they are written, or an error when memory is short.
+/// A vector of `count` zeros, which cost nothing before they are written, or an error when memory
+/// is short.
 pub fn zeroed<T: Zeroable>(count: usize) -> Result<Vec<T>> {
     let vec = bytemuck::allocation::try_zeroed_vec(count).map_err(|()| no_room(count))?;
     simd::prefer_large_pages(&vec);
@@ -60,8 +63,9 @@ pub fn fit<T: Zeroable + Clone>(values: &mut Vec<T>, count: usize) -> Result<()>
     Ok(())
 }
 
-/// An empty vector with room for `count` elements, in large pages where that is worth it. Unlike the others here it
-/// is for what has been asked for before: the process ends where there is no memory.
+/// An empty vector with room for `count` elements, in large pages where that is worth it. Unlike
+/// the others here it is for what has been asked for before: the process ends where there is no
+/// memory.
 pub fn room<T>(count: usize) -> Vec<T> {
     let mut vec = Vec::with_capacity(count);
     simd::prefer_large_pages(vec.spare_capacity_mut());

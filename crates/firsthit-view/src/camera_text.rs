@@ -1,6 +1,7 @@
 //! A camera as text for the program, for Python, for scene files and for other programs.
 //!
-//! The options, the call and the table make the same camera to the last bit. The matrices and COLMAP's lines are rounded.
+//! The options, the call and the table make the same camera to the last bit. The matrices and
+//! COLMAP's lines are rounded.
 
 use firsthit::camera::{ColmapCamera, Convention};
 use firsthit::{Camera, DVec3, RayStart, Result};
@@ -11,8 +12,9 @@ use crate::viewer::Viewer;
 use crate::words::{exact_number, exact_triple};
 
 impl Viewer {
-    /// A camera as options of the program, in Python, as a table of a scene file, as the matrices of `OpenCV`, and as the lines of COLMAP.
-    /// Parallel rays have no matrix of pixels: then `opencv` and `colmap` are null.
+    /// A camera as options of the program, in Python, as a table of a scene file, as the matrices
+    /// of `OpenCV`, and as the lines of COLMAP. Parallel rays have no matrix of pixels: then
+    /// `opencv` and `colmap` are null.
     ///
     /// # Errors
     ///

@@ -1,7 +1,7 @@
 //! The faces that a section plane cuts through solids.
 //!
-//! Of the objects that a ray begins inside of on the plane, it sees the cut face of the innermost: the one that it leaves first (see
-//! [`firsthit::measure::innermost`]).
+//! Of the objects that a ray begins inside of on the plane, it sees the cut face of the innermost:
+//! the one that it leaves first (see [`firsthit::measure::innermost`]).
 
 use std::sync::Mutex;
 
@@ -54,7 +54,8 @@ impl<'a> CappedShade<'a> {
 
     /// # Errors
     ///
-    /// The errors of [`innermost`], where cut faces are missing since it failed: a shader cannot say so by itself.
+    /// The errors of [`innermost`], where cut faces are missing since it failed: a shader cannot
+    /// say so by itself.
     pub(crate) fn check(&self) -> Result<()> {
         lock(&self.failure).take().map_or(Ok(()), Err)
     }

@@ -64,7 +64,8 @@ impl CutPlane {
         -before / slope
     }
 
-    /// The part of a ray that is behind the plane, by more than rounding. So surfaces in the plane are not seen, rather than in some pixels.
+    /// The part of a ray that is behind the plane, by more than rounding. So surfaces in the plane
+    /// are not seen, rather than in some pixels.
     pub(crate) fn behind(&self, ray: Ray) -> Ray {
         let [before, slope] = self.before_and_slope(&ray);
         let crossing = -before / slope;
@@ -82,7 +83,8 @@ impl CutPlane {
         }
     }
 
-    /// Whether a camera's ray, or the part of it that is [behind](Self::behind) a plane, begins on the plane.
+    /// Whether a camera's ray, or the part of it that is [behind](Self::behind) a plane, begins on
+    /// the plane.
     pub(crate) fn is_begin(ray: &Ray) -> bool {
         ray.t_min > 0.0
     }

@@ -68,12 +68,14 @@ pub enum Pixels {
 }
 
 impl Viewer {
-    /// A picture that a page asks for, until the watch stops it. Lit colours are those that `firsthit render` makes of the same camera, to
-    /// the byte. Where the last picture was the same with fewer samples, only the others are made; one that was interrupted begins anew.
+    /// A picture that a page asks for, until the watch stops it. Lit colours are those that
+    /// `firsthit render` makes of the same camera, to the byte. Where the last picture was the same
+    /// with fewer samples, only the others are made; one that was interrupted begins anew.
     ///
     /// # Errors
     ///
-    /// [`Error::Argument`] for a look that makes no sense, [`Error::Limit`] where memory does not suffice, and [`Error::Interrupted`].
+    /// [`Error::Argument`] for a look that makes no sense, [`Error::Limit`] where memory does not
+    /// suffice, and [`Error::Interrupted`].
     pub fn frame(&self, look: &FrameRequest, watch: &dyn Watch) -> Result<Painted> {
         if look.samples == Some(0) {
             return Err(Error::argument("samples", "at least 1", 0));
@@ -136,7 +138,8 @@ impl Viewer {
         Ok(resolved.samples)
     }
 
-    /// Makes a picture's samples one after the other, from where the last one ended if that is the same.
+    /// Makes a picture's samples one after the other, from where the last one ended if that is the
+    /// same.
     fn continued(
         &self,
         picture: &Picture<'_>,

@@ -29,7 +29,8 @@ const SHOWN: [&str; 10] =
 const MOST_LISTED: usize = 10_000;
 
 impl Viewer {
-    /// The title, the box and the objects of the scene, which way is up, the camera to begin with, and what can be asked for.
+    /// The title, the box and the objects of the scene, which way is up, the camera to begin with,
+    /// and what can be asked for.
     pub fn info(&self) -> Value {
         let bounds = self.scene().bounds();
         let objects = self.scene().objects().iter().enumerate();

@@ -1,11 +1,13 @@
 //! The answers to a page that shows a scene, and the server that gives them.
 //!
-//! A page asks three things of an engine, whatever carries them: [`Viewer::info`] once, [`Viewer::frame`] for each picture, and
-//! [`Viewer::probe`] for a pixel. [`Viewer::camera_text`] writes a camera as other programs read it, and [`Viewer::section`] measures what a
-//! plane cuts. Each takes and gives JSON or bytes, and opens nothing. [`Viewer::answer`] takes such a question by its name.
+//! A page asks three things of an engine, whatever carries them: [`Viewer::info`] once,
+//! [`Viewer::frame`] for each picture, and [`Viewer::probe`] for a pixel. [`Viewer::camera_text`]
+//! writes a camera as other programs read it, and [`Viewer::section`] measures what a plane cuts.
+//! Each takes and gives JSON or bytes, and opens nothing. [`Viewer::answer`] takes such a question
+//! by its name.
 //!
-//! [`server`] serves the page and answers it, on the loopback interface alone. [`Viewer::report`] puts the page, the scene and an engine
-//! into one file.
+//! [`server`] serves the page and answers it, on the loopback interface alone. [`Viewer::report`]
+//! puts the page, the scene and an engine into one file.
 
 mod answer;
 mod camera_text;

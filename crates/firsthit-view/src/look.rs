@@ -15,10 +15,12 @@ pub struct FrameRequest {
     /// The channel that is shown, by its name, `color` among them.
     #[serde(default = "color")]
     pub channel: String,
-    /// The points of a pixel whose mean is its colour; by default as many as `firsthit render` takes.
+    /// The points of a pixel whose mean is its colour; by default as many as `firsthit render`
+    /// takes.
     #[serde(default)]
     pub samples: Option<u32>,
-    /// Whether colours are those of `firsthit render`, with shadows; else they are lit from the camera, without.
+    /// Whether colours are those of `firsthit render`, with shadows; else they are lit from the
+    /// camera, without.
     #[serde(default)]
     pub is_lit: bool,
     /// A set of lights by name, in place of the lights that the scene has.
@@ -41,7 +43,8 @@ pub struct FrameRequest {
     /// render` draws.
     #[serde(default)]
     pub edges: Option<f64>,
-    /// The colour of the faces that a plane cuts, which is linear; by default each has its object's.
+    /// The colour of the faces that a plane cuts, which is linear; by default each has its
+    /// object's.
     #[serde(default)]
     pub cut_color: Option<[f64; 3]>,
     /// The part of the scene that is seen.
@@ -92,7 +95,8 @@ pub enum EnvironmentChoice {
     Own,
     /// No environment.
     None,
-    /// The sky of a clear day, with its sun where the request has one, else 40 degrees above the horizon.
+    /// The sky of a clear day, with its sun where the request has one, else 40 degrees above the
+    /// horizon.
     Daylight,
 }
 
@@ -229,7 +233,8 @@ impl FlatCamera {
     ///
     /// # Errors
     ///
-    /// [`Error::Argument`] for numbers that are no camera, and for more than 8192 pixels along an edge.
+    /// [`Error::Argument`] for numbers that are no camera, and for more than 8192 pixels along an
+    /// edge.
     pub fn camera(&self) -> Result<Camera> {
         for (name, pixels) in [("rows", self.rows), ("columns", self.columns)] {
             if !(1..=MOST).contains(&pixels) {

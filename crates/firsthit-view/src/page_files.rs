@@ -1,4 +1,5 @@
-//! The files of the page, by their names. They are statics: of a constant each place that uses it may have a copy.
+//! The files of the page, by their names. They are statics: of a constant each place that uses it
+//! may have a copy.
 
 /// The type of scripts.
 const SCRIPT: &str = "text/javascript; charset=utf-8";
@@ -69,8 +70,8 @@ pub(crate) static WORKER: &[Script] = scripts! {
     "worker.js"
 };
 
-/// The crate `firsthit-wasm` as a module, packed by gzip. `make wasm` makes it, and `make test-wasm` compares its answers with those of the
-/// sources.
+/// The crate `firsthit-wasm` as a module, packed by gzip. `make wasm` makes it, and `make
+/// test-wasm` compares its answers with those of the sources.
 pub(crate) static MODULE: &[u8] = include_bytes!("../module/firsthit.wasm.gz");
 
 /// The type and the bytes of a file of the page.

@@ -26,13 +26,15 @@ pub struct Probe {
 }
 
 impl Viewer {
-    /// Everything about the ray through a pixel's centre: what `firsthit probe --json` prints but for the list of objects that were not met,
-    /// which is as long as the scene. Where the section plane cuts through a solid, `cut_face` is the point of the plane, and the hit is what
-    /// would be met inside.
+    /// Everything about the ray through a pixel's centre: what `firsthit probe --json` prints but
+    /// for the list of objects that were not met, which is as long as the scene. Where the section
+    /// plane cuts through a solid, `cut_face` is the point of the plane, and the hit is what would
+    /// be met inside.
     ///
     /// # Errors
     ///
-    /// [`Error::Argument`](firsthit::Error::Argument) for a camera that makes no sense, and for a pixel outside of the picture.
+    /// [`Error::Argument`](firsthit::Error::Argument) for a camera that makes no sense, and for a
+    /// pixel outside of the picture.
     pub fn probe(&self, asked: &Probe, watch: &dyn Watch) -> Result<Value> {
         let camera = asked.camera.camera()?;
         let scene = self.scene_of(&asked.part, &[])?;

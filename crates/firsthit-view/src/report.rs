@@ -163,8 +163,9 @@ fn page(head: &str, still: &str) -> String {
         .replacen("<body>", &still, 1)
 }
 
-/// Modules as one script: each but the last is a function that returns what it exports. They are written for that: an import is one
-/// line and names a script before, and what is exported is declared at the start of a line.
+/// Modules as one script: each but the last is a function that returns what it exports. They are
+/// written for that: an import is one line and names a script before, and what is exported is
+/// declared at the start of a line.
 fn bundle(scripts: &[Script]) -> String {
     let each = scripts.iter().enumerate().map(|(k, script)| {
         let mut exported = Vec::new();

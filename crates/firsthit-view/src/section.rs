@@ -25,9 +25,10 @@ pub struct SectionRequest {
 }
 
 impl Viewer {
-    /// The faces of the section plane, object by object: `area` in squares of scene units, null for a mesh with a gap on the plane. Objects
-    /// that are no meshes are left out, and `warnings` says so. `svg` is the file that `firsthit section` writes of the plane, seen from
-    /// the side that is cut away.
+    /// The faces of the section plane, object by object: `area` in squares of scene units, null for
+    /// a mesh with a gap on the plane. Objects that are no meshes are left out, and `warnings` says
+    /// so. `svg` is the file that `firsthit section` writes of the plane, seen from the side that
+    /// is cut away.
     ///
     /// # Errors
     ///

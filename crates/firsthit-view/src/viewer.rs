@@ -45,8 +45,8 @@ pub(crate) struct ProgressiveState {
 }
 
 impl Viewer {
-    /// A scene of that title, to be looked at by a camera first. Of a camera without a flat viewplane around its aim the page takes the
-    /// one that frames the scene.
+    /// A scene of that title, to be looked at by a camera first. Of a camera without a flat
+    /// viewplane around its aim the page takes the one that frames the scene.
     ///
     /// # Errors
     ///
@@ -98,8 +98,8 @@ impl Viewer {
         &self.scene
     }
 
-    /// The scene with the objects that are to be seen, in their colours. Meshes and their trees are shared; the tree over the objects is
-    /// built anew where others are hidden.
+    /// The scene with the objects that are to be seen, in their colours. Meshes and their trees are
+    /// shared; the tree over the objects is built anew where others are hidden.
     pub(crate) fn scene_of(
         &self,
         visibility: &Visibility,

@@ -22,7 +22,8 @@ pub fn number(x: f64) -> String {
     exact_number(six_digits(x))
 }
 
-/// A place in a scene that reaches so far: each coordinate to six digits, and to as many more as tell it to a millionth of that.
+/// A place in a scene that reaches so far: each coordinate to six digits, and to as many more as
+/// tell it to a millionth of that.
 pub fn place(v: DVec3, extent: f64) -> String {
     let [x, y, z] = v.to_array().map(|x| coordinate(x, extent));
     format!("{x},{y},{z}")

@@ -1,7 +1,9 @@
-//! What the door answers where it is compiled for this machine: `tests/module.mjs` compares the module's answers with these.
+//! What the door answers where it is compiled for this machine: `tests/module.mjs` compares the
+//! module's answers with these.
 //!
-//! Reads one JSON array of calls, and writes a line of JSON for each: whether it was refused, the answer, and the file with its
-//! pixels. A call is `{"example": true}`, `{"name": .., "file": ..}` or `{"question": .., "about": ..}`.
+//! Reads one JSON array of calls, and writes a line of JSON for each: whether it was refused, the
+//! answer, and the file with its pixels. A call is `{"example": true}`, `{"name": .., "file": ..}`
+//! or `{"question": .., "about": ..}`.
 
 use std::error::Error;
 use std::path::PathBuf;

@@ -22,8 +22,9 @@ pub struct Refused;
 
 /// One viewer, what it is handed, and what it answers.
 ///
-/// It answers what [`Viewer::answer`] does, and one question more: `hits`, about a `camera`, is answered by rows and columns, and its
-/// pixels are all t as float64, then all objects and all primitives as int32, little endian.
+/// It answers what [`Viewer::answer`] does, and one question more: `hits`, about a `camera`, is
+/// answered by rows and columns, and its pixels are all t as float64, then all objects and all
+/// primitives as int32, little endian.
 #[derive(Debug, Default)]
 pub struct Door {
     room: Vec<u8>,

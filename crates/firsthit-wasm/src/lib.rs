@@ -1,12 +1,13 @@
 //! firsthit's viewer as a WebAssembly module: a door of plain functions, for pages and for any
 //! other host of modules.
 //!
-//! The host puts bytes into a room ([`fh_room`]), and calls [`fh_load`] or [`fh_ask`], which say whether all went well. Then it
-//! reads the answer, and for some questions the pixels, by their address and length. The module imports nothing, opens nothing, and
-//! holds one scene at a time. `firsthit.mjs` of the crate firsthit-view wraps the calls for
-//! JavaScript.
+//! The host puts bytes into a room ([`fh_room`]), and calls [`fh_load`] or [`fh_ask`], which say
+//! whether all went well. Then it reads the answer, and for some questions the pixels, by their
+//! address and length. The module imports nothing, opens nothing, and holds one scene at a time.
+//! `firsthit.mjs` of the crate firsthit-view wraps the calls for JavaScript.
 //!
-//! What is asked and answered is what the server of `firsthit view` is asked and answers; see [`Door`].
+//! What is asked and answered is what the server of `firsthit view` is asked and answers; see
+//! [`Door`].
 
 #![allow(
     unsafe_code,
@@ -50,15 +51,15 @@ fn status(result: Result<(), Refused>) -> i32 {
     }
 }
 
-/// Makes room for what the host hands over, and returns its address; null where there is no memory. A room is used up by the next
-/// call of [`fh_load`] or [`fh_ask`].
+/// Makes room for what the host hands over, and returns its address; null where there is no memory.
+/// A room is used up by the next call of [`fh_load`] or [`fh_ask`].
 #[unsafe(no_mangle)]
 pub extern "C" fn fh_room(bytes: usize) -> *mut u8 {
     door().room(bytes).map_or(ptr::null_mut(), <[u8]>::as_mut_ptr)
 }
 
-/// Reads the file in the room: its name, which takes that many bytes, and then its content. Returns 0 where all went well; then the
-/// viewer is about this file, and the answer is that to `info`.
+/// Reads the file in the room: its name, which takes that many bytes, and then its content. Returns
+/// 0 where all went well; then the viewer is about this file, and the answer is that to `info`.
 #[unsafe(no_mangle)]
 pub extern "C" fn fh_load(name_bytes: usize) -> i32 {
     status(door().load(name_bytes))
@@ -100,7 +101,8 @@ pub extern "C" fn fh_pixels_bytes() -> usize {
     door().pixels().len()
 }
 
-/// The address of what is known of a call that a trap ended. After a trap nothing else may be called: start another module.
+/// The address of what is known of a call that a trap ended. After a trap nothing else may be
+/// called: start another module.
 #[unsafe(no_mangle)]
 pub extern "C" fn fh_bug() -> *const u8 {
     lock(&BUG).as_ptr()

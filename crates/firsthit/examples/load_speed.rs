@@ -1,5 +1,5 @@
-//! How fast files load: `cargo run --release --example load_speed FILE...`, on the thread's own CPU time where
-//! the system tells it (Linux), so that a busy machine does not matter.
+//! How fast files load: `cargo run --release --example load_speed FILE...`, on the thread's own CPU
+//! time where the system tells it (Linux), so that a busy machine does not matter.
 
 use std::path::Path;
 use std::time::{Duration, Instant};

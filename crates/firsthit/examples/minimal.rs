@@ -1,5 +1,5 @@
-//! The loop by hand: a camera makes a ray for each pixel, `shoot` finds what it meets first, `shade`
-//! gives the colour. Prints the picture as text; `cargo run --release --example minimal`.
+//! The loop by hand: a camera makes a ray for each pixel, `shoot` finds what it meets first,
+//! `shade` gives the colour. Prints the picture as text; `cargo run --release --example minimal`.
 
 use firsthit::{
     Camera, Color, DVec3, Hit, Lens, Object, Plane, Result, Scene, Shade, Sphere, View, Viewplane,
@@ -25,7 +25,8 @@ fn main() -> Result<()> {
         }),
     })?;
 
-    // Brighter where the surface faces a light, darker with the distance; misses get the background.
+    // Brighter where the surface faces a light, darker with the distance; misses get the
+    // background.
     let shade = |t: f64, p: DVec3, u_r: DVec3, o: &Hit| {
         if t == f64::INFINITY {
             return Color::ZERO;

@@ -10,7 +10,8 @@ use crate::shape::{
     Attribute, Cone, Cuboid, Cylinder, Disc, Mesh, Plane, Positions, Shape, Sphere,
 };
 
-/// The example's scene, in metres, z upwards: a knot on a pedestal with every other shape around it.
+/// The example's scene, in metres, z upwards: a knot on a pedestal with every other shape around
+/// it.
 ///
 /// # Errors
 ///
@@ -101,7 +102,8 @@ pub fn background() -> Background {
     Background::Gradient { horizon, zenith, up: DVec3::Z }
 }
 
-/// A tube around the trefoil knot, in the colours of the rainbow: `along` rings of `around` corners.
+/// A tube around the trefoil knot, in the colours of the rainbow: `along` rings of `around`
+/// corners.
 fn knot(along: u32, around: u32) -> Result<Mesh> {
     let angle = |k: u32, count: u32| std::f64::consts::TAU * f64::from(k) / f64::from(count);
     let line = |k: u32| {

@@ -42,19 +42,19 @@
 //! # The loop
 //!
 //! 1. A [`Camera`] turns a pixel into a ray: a start `p` and a direction `u_r` of length one.
-//! 2. [`shoot()`]`(scene, p, u_r)` finds the first [`Hit`] on it: the parameter `t`, and the object `o`; a
-//!    ray that meets nothing has `t` = infinity.
+//! 2. [`shoot()`]`(scene, p, u_r)` finds the first [`Hit`] on it: the parameter `t`, and the object
+//!    `o`; a ray that meets nothing has `t` = infinity.
 //! 3. [`Shade::shade`]`(t, p, u_r, o)` gives the colour, for misses too.
-//! 4. [`render()`] does this for all pixels, with all cores, and stores the colours and other channels in
-//!    a [`Frame`](image::Frame); [`Render`] is the same with defaults.
+//! 4. [`render()`] does this for all pixels, with all cores, and stores the colours and other
+//!    channels in a [`Frame`](image::Frame); [`Render`] is the same with defaults.
 //!
 //! Each step can be replaced, and a caller may enter or leave at any arrow.
 //! `examples/minimal.rs` is the loop by hand; `ARCHITECTURE.md` says where what is and why.
 //!
 //! # Poses over time
 //!
-//! A [`Trajectory`] interpolates the poses of a moving body. The pose of a body is that of a camera, once it is said which
-//! axis looks forwards:
+//! A [`Trajectory`] interpolates the poses of a moving body. The pose of a body is that of a
+//! camera, once it is said which axis looks forwards:
 //!
 //! ```
 //! use std::path::Path;
@@ -83,10 +83,11 @@
 //! | `load` | [`mod@load`] and [`world`] without a format; each format that is read enables it |
 //! | `frame` | [`channel`], [`image`], [`render()`], [`Render`] and [`scan`] without a format; each of `image`'s formats enables it |
 //!
-//! `fhs` also writes, and enables `frame`. `scene-file` enables `frame` too, since scene files name their outputs.
+//! `fhs` also writes, and enables `frame`. `scene-file` enables `frame` too, since scene files name
+//! their outputs.
 //!
-//! With `default-features = false` the crate has cameras, shapes, scenes, trees, [`shoot()`] and shaders, and depends on little more
-//! than the vector maths and the threads.
+//! With `default-features = false` the crate has cameras, shapes, scenes, trees, [`shoot()`] and
+//! shaders, and depends on little more than the vector maths and the threads.
 //!
 //! # The symbols
 //!

@@ -1,31 +1,33 @@
 //! The top-level tree: a tree of 16-wide nodes over boxes, and one ray through it.
 //!
-//! 1. Find the point of the ray's line that is nearest to the tree's origin. Depths are counted from there.
+//! 1. Find the point of the ray's line that is nearest to the tree's origin. Depths are counted
+//!    from there.
 //! 2. Test the sixteen boxes of a node. Put those that are met onto the stack, the nearest last.
-//! 3. Go on with the last entry of the stack. A leaf is one box: give out its index. The caller may shorten the ray
-//!    before it asks for the next.
+//! 3. Go on with the last entry of the stack. A leaf is one box: give out its index. The caller may
+//!    shorten the ray before it asks for the next.
 //!
-//! Ize, "Robust BVH Ray Traversal", Journal of Computer Graphics Techniques 2(2), 2013. It departs in that it widens
-//! the boxes by a share of the coordinates and not of the distances along the ray, which would be nothing near the
-//! local origin.
+//! Ize, "Robust BVH Ray Traversal", Journal of Computer Graphics Techniques 2(2), 2013. It departs
+//! in that it widens the boxes by a share of the coordinates and not of the distances along the
+//! ray, which would be nothing near the local origin.
 //!
 //! # Error bounds
 //!
-//! Three roundings of float64 must not lose a candidate. Each is a share of the coordinates relative to the ray's start,
-//! which are at most `R = |o| + extent`:
+//! Three roundings of float64 must not lose a candidate. Each is a share of the coordinates
+//! relative to the ray's start, which are at most `R = |o| + extent`:
 //!
 //! - that of the start, of the nearest point and of its depth: 8 `EPSILON` R;
 //! - the shape's test, which may accept a ray that passes the shape at a distance of its rounding;
 //! - the `t` of the shape's test, which is compared with where the ray enters a box.
 //!
-//! [`Bvh::OBJECTS`] is more than all three. A box that is wider by `margin = slack * R` makes up for them, as it is
-//! also entered earlier: by at least `margin / |d|` along the axis of the largest `d`. The margin costs no time: it is
-//! in the ends of the slab test.
+//! [`Bvh::OBJECTS`] is more than all three. A box that is wider by `margin = slack * R` makes up
+//! for them, as it is also entered earlier: by at least `margin / |d|` along the axis of the
+//! largest `d`. The margin costs no time: it is in the ends of the slab test.
 //!
-//! The slab test is done in float32. With coordinates b of a box and p of the point of step 1, `b / d - p / d` is off by
-//! at most 3 [`U`] |b| and 3 [`U`] |p|, in units of the coordinates. The boxes are wider by [`BOX_ROUNDING`] of their own
-//! coordinates, and the ray by as much of p. So float32's rounding grows neither with the extent nor with the distance of
-//! the start; the margin does. Too small: `no_box_that_a_ray_meets_is_missed`.
+//! The slab test is done in float32. With coordinates b of a box and p of the point of step 1, `b /
+//! d - p / d` is off by at most 3 [`U`] |b| and 3 [`U`] |p|, in units of the coordinates. The boxes
+//! are wider by [`BOX_ROUNDING`] of their own coordinates, and the ray by as much of p. So
+//! float32's rounding grows neither with the extent nor with the distance of the start; the margin
+//! does. Too small: `no_box_that_a_ray_meets_is_missed`.
 
 use super::bounds::U;
 use super::node::{LEAF, Node};
@@ -33,10 +35,11 @@ use super::rays::slabs::Slabs;
 use crate::geometry::{Bounds, DVec3, Ray, arrays};
 use crate::simd::{Kernel, LANES, Lanes, set_bits};
 
-/// A bounding volume hierarchy: 16-wide nodes of float32 boxes around a local origin. A leaf is one box.
+/// A bounding volume hierarchy: 16-wide nodes of float32 boxes around a local origin. A leaf is one
+/// box.
 ///
-/// The boxes are rounded outwards, and the ray has a width that covers all other rounding. So nothing that the float64
-/// test would accept is left out.
+/// The boxes are rounded outwards, and the ray has a width that covers all other rounding. So
+/// nothing that the float64 test would accept is left out.
 #[derive(Debug, Clone)]
 pub struct Bvh {
     pub(super) space: BoxSpace,
@@ -50,7 +53,8 @@ pub struct Bvh {
     pub(super) places: Option<Places>,
 }
 
-/// The tree's space: moved, and scaled by a power of two so that the boxes are in the cube from -1 to 1 when it is built.
+/// The tree's space: moved, and scaled by a power of two so that the boxes are in the cube from -1
+/// to 1 when it is built.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct BoxSpace {
     /// The middle of most boxes: far from the world's origin, float32 still resolves them.
@@ -100,7 +104,8 @@ impl Bvh {
 impl BoxSpace {
     /// The space of boxes that reach up to `extent` from an origin.
     pub(super) fn new(origin: DVec3, extent: f64) -> Self {
-        // Smaller ones would take a ray's coordinates out of float64's range, larger ones the scale.
+        // Smaller ones would take a ray's coordinates out of float64's range, larger ones the
+        // scale.
         let reach = extent.clamp(1e-150, 1e300);
         let scale = 1.0 / f64::from_bits(reach.to_bits() & 0x7ff << 52) / 2.0;
         Self { origin, scale }
@@ -153,7 +158,8 @@ impl Bvh {
         if margin > FARTHEST {
             return self.walk_everywhere(direction, stack);
         }
-        // All boxes are in a cube, and that in a ball of the square root of 3. The rest is for rounding.
+        // All boxes are in a cube, and that in a ball of the square root of 3. The rest is for
+        // rounding.
         let reach = self.extent * self.space.scale + margin;
         if !self.nodes.is_empty() && nearest.length() <= 1.75 * reach {
             stack.push((0, f64::NEG_INFINITY));
@@ -189,8 +195,8 @@ impl Bvh {
 }
 
 impl Walk<'_> {
-    /// The next box that the ray may meet at a parameter of at most `t_max`, roughly the nearest first. `t_max` is not
-    /// larger than in the call before, and `stack` is the same.
+    /// The next box that the ray may meet at a parameter of at most `t_max`, roughly the nearest
+    /// first. `t_max` is not larger than in the call before, and `stack` is the same.
     #[inline(always)]
     pub fn next<L: Lanes>(&self, l: L, t_max: f64, stack: &mut WalkStack) -> Option<u32> {
         let walk = self;

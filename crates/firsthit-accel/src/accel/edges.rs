@@ -1,12 +1,12 @@
-//! The edge test in float32: on which sides of a triangle's edges does a ray pass, and at which depth is the triangle
-//! met?
+//! The edge test in float32: on which sides of a triangle's edges does a ray pass, and at which
+//! depth is the triangle met?
 //!
-//! A [side](Sides) is twice the area of the triangle between the ray and an edge, seen along the ray. It has an error
-//! below the `bound` that every user derives for its coordinates:
+//! A [side](Sides) is twice the area of the triangle between the ray and an edge, seen along the
+//! ray. It has an error below the `bound` that every user derives for its coordinates:
 //!
 //! - One side below `-bound` and another above `bound`: the exact test rejects the triangle.
-//! - All three beyond `bound` with one sign: the exact test accepts it. Its depth is the mean of the corners' depths
-//!   with the sides as weights.
+//! - All three beyond `bound` with one sign: the exact test accepts it. Its depth is the mean of
+//!   the corners' depths with the sides as weights.
 //! - Anything between is for the exact test.
 //!
 //! In the lanes are triangles (one ray) or rays (one triangle).
@@ -48,8 +48,8 @@ impl<L: Lanes> Sides<L> {
         l.lt(bound, l.max(least, l.sub(l.splat(0.0), most)))
     }
 
-    /// The depth where the triangle is met, from the depths of its corners; and the size of one over the sides' sum, of
-    /// which the depth's error is a multiple.
+    /// The depth where the triangle is met, from the depths of its corners; and the size of one
+    /// over the sides' sum, of which the depth's error is a multiple.
     #[inline(always)]
     pub(super) fn depth(&self, l: L, [az, bz, cz]: [L::Floats; 3]) -> [L::Floats; 2] {
         let [u, v, w] = self.0;
@@ -59,8 +59,8 @@ impl<L: Lanes> Sides<L> {
     }
 }
 
-/// The depths between which triangles are met: within their corners' depths, and where `certain` also within `error` of
-/// `depth`.
+/// The depths between which triangles are met: within their corners' depths, and where `certain`
+/// also within `error` of `depth`.
 #[inline(always)]
 pub(super) fn depths<L: Lanes>(
     l: L,

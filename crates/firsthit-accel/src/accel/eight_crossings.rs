@@ -1,15 +1,16 @@
 //! Computes the crossings of eight rays with eight triangles that they are known to meet, in
 //! float64 lanes.
 //!
-//! 1. Gather the triangles' corners from the leaves of the tree, or where float32 does not hold them from the mesh
-//!    ([`Corners`]).
-//! 2. Compute `t` and the weights in lanes, by the code of `shape/triangle/place.rs`: the bits are those of the exact
-//!    test.
-//! 3. Where that says that float64 is not enough for a lane, compute it in twice the digits, in lanes too.
+//! 1. Gather the triangles' corners from the leaves of the tree, or where float32 does not hold
+//!    them from the mesh ([`Corners`]).
+//! 2. Compute `t` and the weights in lanes, by the code of `shape/triangle/place.rs`: the bits are
+//!    those of the exact test.
+//! 3. Where that says that float64 is not enough for a lane, compute it in twice the digits, in
+//!    lanes too.
 //! 4. Leave the lanes for which that is not enough to the caller, who takes `shape/triangle.rs`.
 //!
-//! Where many rays meet one triangle ([`SharedTriangle`]), the numbers that depend on the triangle alone are computed
-//! once.
+//! Where many rays meet one triangle ([`SharedTriangle`]), the numbers that depend on the triangle
+//! alone are computed once.
 
 #![expect(
     clippy::needless_range_loop,
@@ -45,8 +46,8 @@ pub enum Corners {
 type CornerLanes<T> = Aligned<[[T; 3]; 3]>;
 
 impl Corners {
-    /// The corners of the triangles in `leaf_lanes` (as bits), in the lanes `wanted`; anything in the others. The
-    /// triangles' indices (as bits) go into the same lanes of `triangles`.
+    /// The corners of the triangles in `leaf_lanes` (as bits), in the lanes `wanted`; anything in
+    /// the others. The triangles' indices (as bits) go into the same lanes of `triangles`.
     #[inline(always)]
     pub fn new<L: Lanes>(
         l: L,
@@ -161,8 +162,8 @@ impl Corners {
     }
 }
 
-/// `t` and the weights of the corners 1 and 2, and the lanes in which they are those of the exact test. In the others,
-/// which are few, the exact test itself is needed.
+/// `t` and the weights of the corners 1 and 2, and the lanes in which they are those of the exact
+/// test. In the others, which are few, the exact test itself is needed.
 #[inline(always)]
 pub fn eight_crossings<L: Lanes>(
     l: L,

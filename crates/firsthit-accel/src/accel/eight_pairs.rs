@@ -1,6 +1,8 @@
-//! Up to eight rays, each with a triangle of a leaf that it is known to meet, gathered one by one and located in lanes.
+//! Up to eight rays, each with a triangle of a leaf that it is known to meet, gathered one by one
+//! and located in lanes.
 //!
-//! 1. Copy the ray and the triangle's corners, which are float32 in the leaf; or where float32 does not hold them float64 from the mesh.
+//! 1. Copy the ray and the triangle's corners, which are float32 in the leaf; or where float32 does
+//!    not hold them float64 from the mesh.
 //! 2. Bring the corners into the space of the mesh in lanes, and compute `t` and the weights there
 //!    ([`eight_crossings_at`]).
 

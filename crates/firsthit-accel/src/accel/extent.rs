@@ -12,8 +12,8 @@ use crate::simd::set_bits;
 const ROUNDED: f64 = 1.0 / (1_u64 << 22) as f64;
 
 impl MeshTree {
-    /// A box around the mesh after a transform, in constant time: the box around the transformed boxes of the root's children.
-    /// `None` for a tree without nodes.
+    /// A box around the mesh after a transform, in constant time: the box around the transformed
+    /// boxes of the root's children. `None` for a tree without nodes.
     #[doc(hidden)]
     pub fn transformed_bounds(&self, transform: &DAffine3) -> Option<Bounds> {
         self.nodes.first()?;
@@ -22,12 +22,13 @@ impl MeshTree {
         Some(transformed.fold(Bounds::EMPTY, Bounds::union))
     }
 
-    /// The smallest box around the mesh after a transform, to the last bit of transforming all corners of its triangles. `None` for a
-    /// tree without nodes.
+    /// The smallest box around the mesh after a transform, to the last bit of transforming all
+    /// corners of its triangles. `None` for a tree without nodes.
     ///
-    /// For each of the six ends, descend from the root to the farthest child first, and leave out a child whose box ends before the
-    /// farthest corner found so far. A corner of a box bounds the vertices in the box to the last bit, because it goes through the same
-    /// operations and rounding is monotone.
+    /// For each of the six ends, descend from the root to the farthest child first, and leave out a
+    /// child whose box ends before the farthest corner found so far. A corner of a box bounds the
+    /// vertices in the box to the last bit, because it goes through the same operations and
+    /// rounding is monotone.
     #[doc(hidden)]
     pub fn smallest_bounds(&self, mesh: Meshes<'_>, transform: &DAffine3) -> Option<Bounds> {
         self.nodes.first()?;
@@ -41,7 +42,8 @@ impl MeshTree {
         })
     }
 
-    /// Takes triangles out of the leaves; each is in one of the boxes `around`. If one has copies they are taken out, too.
+    /// Takes triangles out of the leaves; each is in one of the boxes `around`. If one has copies
+    /// they are taken out, too.
     #[doc(hidden)]
     pub fn take_out(&mut self, around: &[Bounds], is_out: impl Fn(u32) -> bool) {
         let filled = || self.leaves.iter().map(|leaf| leaf.filled).collect();
@@ -88,7 +90,8 @@ impl MeshTree {
         self.children_left = Some(left.into());
     }
 
-    /// Calls `visit` with the leaf, the bit there and the number of each triangle that may be in one of some boxes.
+    /// Calls `visit` with the leaf, the bit there and the number of each triangle that may be in
+    /// one of some boxes.
     fn each_near(&self, around: &[Bounds], mut visit: impl FnMut(u32, u16, u32)) {
         for number in self.leaves_near(around) {
             let leaf = &self.leaves[number as usize];
@@ -157,7 +160,8 @@ impl MeshTree {
     fn children(&self, node: u32) -> impl Iterator<Item = (Bounds, u32)> {
         let node = &self.nodes[node as usize];
         let space = self.space;
-        // Where an end is so far from the origin that float64 rounds by more, float32 holds the vertices without rounding.
+        // Where an end is so far from the origin that float64 rounds by more, float32 holds the
+        // vertices without rounding.
         let margin = if self.is_exact { 0.0 } else { ROUNDED * space.unscale };
         (0..WIDTH).filter_map(move |child| {
             let end = |side: usize| {

@@ -1,26 +1,27 @@
 //! The float32 filter before the exact test: rejects triangles of a leaf that a ray misses, a
 //! triangle in each lane.
 //!
-//! 1. Count the leaf's vertices from the ray's start, and shear them so that the ray runs along the axis of the depth.
-//! 2. Compute the [`Sides`] of each triangle's edges. Reject a triangle when two sides have different signs, for
-//!    certain. Most leaves end here.
+//! 1. Count the leaf's vertices from the ray's start, and shear them so that the ray runs along the
+//!    axis of the depth.
+//! 2. Compute the [`Sides`] of each triangle's edges. Reject a triangle when two sides have
+//!    different signs, for certain. Most leaves end here.
 //! 3. Mark a triangle as certain when all sides have the same sign, for certain.
-//! 4. Say between which depths each triangle is met: around the corners' mean with the sides as weights where it is
-//!    certain, else from its nearest to its farthest corner.
+//! 4. Say between which depths each triangle is met: around the corners' mean with the sides as
+//!    weights where it is certain, else from its nearest to its farthest corner.
 //! 5. Reject a triangle when all its depths are before the ray's start or beyond the limit.
 //!
-//! The test is the exact one's: Woop, Benthin and Wald, "Watertight Ray/Triangle Intersection", Journal of Computer
-//! Graphics Techniques 2(1), 2013. It departs in that every number has an error bound. Where a bound leaves the answer
-//! open, `shape/triangle.rs` decides.
+//! The test is the exact one's: Woop, Benthin and Wald, "Watertight Ray/Triangle Intersection",
+//! Journal of Computer Graphics Techniques 2(1), 2013. It departs in that every number has an error
+//! bound. Where a bound leaves the answer open, `shape/triangle.rs` decides.
 //!
 //! # Error bounds
 //!
-//! In units of `U` (see `bounds.rs`). D is the depth of a vertex, X the largest of a triangle's sheared coordinates, e
-//! its extent along an axis. For D there is one number for all vertices of a leaf: the depth of the first, and the leaf's extent. So the
-//! bounds are numbers, not lanes.
+//! In units of `U` (see `bounds.rs`). D is the depth of a vertex, X the largest of a triangle's
+//! sheared coordinates, e its extent along an axis. For D there is one number for all vertices of a
+//! leaf: the depth of the first, and the leaf's extent. So the bounds are numbers, not lanes.
 //!
-//! **A sheared coordinate** is off by at most E. For a vertex that is P from the ray's start across the axis of the
-//! depth, E is the sum of these:
+//! **A sheared coordinate** is off by at most E. For a vertex that is P from the ray's start across
+//! the axis of the depth, E is the sum of these:
 //!
 //! - 2 P: two differences across, as the start has two parts;
 //! - 2 D: two differences along, times a slope of at most 1;
@@ -28,38 +29,39 @@
 //! - D + X: the product and the difference, where they are not fused;
 //! - three blurs (`BLURS`), which hold what float64 rounded when it made the ray ready.
 //!
-//! P is at most X + D, and X at most 2 e. So E is 6 D + 6 e (`VERTEX`) and three blurs. The exact test adds nothing to
-//! that.
+//! P is at most X + D, and X at most 2 e. So E is 6 D + 6 e (`VERTEX`) and three blurs. The exact
+//! test adds nothing to that.
 //!
 //! **A side** is a difference of two products of coordinates. It is off by at most B:
 //!
 //! - 4 E X: the coordinates, and 0.2 E X for what is quadratic in E (`SIDE_BY_ERROR`);
 //! - 4 X^2: rounding, and as much again to spare (`SIDE_BY_SIZE`).
 //!
-//! Where one side is below -B and another above B, the exact test finds the same signs and rejects the triangle. Where
-//! all are beyond B on the same side, it finds the same signs and accepts it.
+//! Where one side is below -B and another above B, the exact test finds the same signs and rejects
+//! the triangle. Where all are beyond B on the same side, it finds the same signs and accepts it.
 //!
 //! **X** is different in the two cases:
 //!
-//! - To reject, B must hold for rays inside the triangle. There X is at most the triangle's extent across the ray,
-//!   which is at most 2 e (`EXTENT_ACROSS`), and E.
-//! - To accept, B must hold for any ray: far from the ray, the rounding of a triangle without area may look like a tiny
-//!   inside. But the ray passes the leaf's box, so X is at most twice the leaf's extent and what the test of the box
-//!   lets through (`BOX_MARGIN`).
+//! - To reject, B must hold for rays inside the triangle. There X is at most the triangle's extent
+//!   across the ray, which is at most 2 e (`EXTENT_ACROSS`), and E.
+//! - To accept, B must hold for any ray: far from the ray, the rounding of a triangle without area
+//!   may look like a tiny inside. But the ray passes the leaf's box, so X is at most twice the
+//!   leaf's extent and what the test of the box lets through (`BOX_MARGIN`).
 //!
-//! **The depth** of a certain triangle is a mean of the corners' depths. It is off by the corners' slack (`DEPTH` and
-//! three blurs), and by these, each times the spread of the corners' depths over the sum of the sides:
+//! **The depth** of a certain triangle is a mean of the corners' depths. It is off by the corners'
+//! slack (`DEPTH` and three blurs), and by these, each times the spread of the corners' depths over
+//! the sum of the sides:
 //!
-//! - 2 E X: the corners' places. The triangle's plane passes the ray at a depth that is off by the plane's slopes times
-//!   E, for x and for y. A slope is at most X times the spread over the sum, as a triangle in a rectangle has half its
-//!   area at most.
-//! - 6 X^2: the sides' own rounding, 3 X^2 each, times how far each corner is from the mean: twice the spread for all
-//!   three.
-//! - 2.1 X^2: the sum that is computed is larger than the exact one by at most 9 X^2. As each side is above 4.3 E X +
-//!   9.2 X^2, the exact sum is two thirds of that at least.
+//! - 2 E X: the corners' places. The triangle's plane passes the ray at a depth that is off by the
+//!   plane's slopes times E, for x and for y. A slope is at most X times the spread over the sum,
+//!   as a triangle in a rectangle has half its area at most.
+//! - 6 X^2: the sides' own rounding, 3 X^2 each, times how far each corner is from the mean: twice
+//!   the spread for all three.
+//! - 2.1 X^2: the sum that is computed is larger than the exact one by at most 9 X^2. As each side
+//!   is above 4.3 E X + 9.2 X^2, the exact sum is two thirds of that at least.
 //!
-//! In all 2 E X (`MEAN`) and 8.1 X^2 (`MEAN_BY_SIZE`). Frusta have a simpler bound: with each side off by B, the mean
-//! is off by 2 B spread / sum.
+//! In all 2 E X (`MEAN`) and 8.1 X^2 (`MEAN_BY_SIZE`). Frusta have a simpler bound: with each side
+//! off by B, the mean is off by 2 B spread / sum.
 
 use super::bounds::{
     BLURS, BOX_MARGIN, DEPTH, EXTENT_ACROSS, MEAN, MEAN_BY_SIZE, SIDE_BY_ERROR, SIDE_BY_SIZE,
@@ -237,7 +239,8 @@ mod tests {
         }
     }
 
-    /// Rays aimed at edges and off them by a few roundings of float32, at triangles of all slopes and sizes.
+    /// Rays aimed at edges and off them by a few roundings of float32, at triangles of all slopes
+    /// and sizes.
     #[test]
     fn the_filter_agrees_with_the_exact_test() {
         let mut state = 1_u64;

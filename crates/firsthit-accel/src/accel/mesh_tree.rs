@@ -1,7 +1,7 @@
 //! The tree over a mesh's triangles: 16-wide nodes over meshlets, in float32.
 //!
-//! It has a [space](Space) of its own, in which no coordinate is larger than 1. So float32 is enough for a mesh of any
-//! size at any place, and constants bound its rounding (`bounds.rs`).
+//! It has a [space](Space) of its own, in which no coordinate is larger than 1. So float32 is
+//! enough for a mesh of any size at any place, and constants bound its rounding (`bounds.rs`).
 
 use std::borrow::Cow;
 use std::sync::Arc;
@@ -19,18 +19,20 @@ use crate::simd::{LANES, Lanes, set_bits};
 #[derive(Debug, Clone)]
 pub struct MeshTree {
     pub(super) space: Space,
-    /// Whether the leaves hold the coordinates of the mesh without rounding, so that the exact test can take them from
-    /// there.
+    /// Whether the leaves hold the coordinates of the mesh without rounding, so that the exact test
+    /// can take them from there.
     pub(super) is_exact: bool,
     /// Whether vertices in the same place are one to a leaf; see `build/weld.rs`.
     pub(super) is_welded: bool,
-    /// The root first. None for a mesh that is empty or has a coordinate beyond 1e90 ([`Space::new`]).
+    /// The root first. None for a mesh that is empty or has a coordinate beyond 1e90
+    /// ([`Space::new`]).
     pub(super) nodes: Storage<Node>,
     pub(super) leaves: Storage<Meshlet>,
     /// The triangles' indices, those of a leaf side by side.
     pub(super) order: Storage<u32>,
-    /// Pairs of the lowest of some triangles with the same corners, and another of them that is in no leaf; sorted. The lowest is
-    /// always in a leaf, since it wins every tie. In a quick tree others may be too, and are then in no pair.
+    /// Pairs of the lowest of some triangles with the same corners, and another of them that is in
+    /// no leaf; sorted. The lowest is always in a leaf, since it wins every tie. In a quick tree
+    /// others may be too, and are then in no pair.
     pub(super) copies: Storage<[u32; 2]>,
     /// The triangles still in each leaf, a bit each, where some have been [taken
     /// out](Self::take_out).
@@ -124,8 +126,8 @@ impl MeshTree {
         &self.copies[first..first + count]
     }
 
-    /// Whether float32 can tell what is ahead of a point that a ray leaves: whether how far its origin may be off that is
-    /// nothing beside the rounding of float32.
+    /// Whether float32 can tell what is ahead of a point that a ray leaves: whether how far its
+    /// origin may be off that is nothing beside the rounding of float32.
     #[inline(always)]
     #[doc(hidden)]
     pub fn is_sharp_from(&self, point: &DeparturePoint) -> bool {
@@ -133,7 +135,8 @@ impl MeshTree {
         point.off * self.space.scale < SHARP
     }
 
-    /// Whether rays from `origin` are too far away for depths in float64; see `traverse/distant.rs`.
+    /// Whether rays from `origin` are too far away for depths in float64; see
+    /// `traverse/distant.rs`.
     #[inline(always)]
     #[doc(hidden)]
     pub fn is_distant(&self, origin: DVec3) -> bool {
@@ -172,7 +175,8 @@ impl MeshTree {
         }
     }
 
-    /// The indices in the mesh of a leaf's triangles, as bits; anything in lanes without a triangle.
+    /// The indices in the mesh of a leaf's triangles, as bits; anything in lanes without a
+    /// triangle.
     #[inline(always)]
     pub(super) fn triangles_of<L: Lanes>(&self, l: L, leaf: &Meshlet) -> L::Floats {
         let from = &self.order[leaf.first as usize..];

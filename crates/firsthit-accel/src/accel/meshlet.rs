@@ -14,7 +14,8 @@ pub(super) fn leaf_lane(leaf: u32, lane: usize) -> u32 {
     leaf * LANES as u32 + (lane % LANES) as u32
 }
 
-/// Triangles over vertices of their own, in the tree's space, as float32. Plain data: every byte of it has a meaning.
+/// Triangles over vertices of their own, in the tree's space, as float32. Plain data: every byte of
+/// it has a meaning.
 #[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
 #[repr(C, align(64))]
 #[doc(hidden)]

@@ -1,8 +1,8 @@
 //! Acceleration structures: [`Bvh`] is a tree over boxes, [`MeshTree`] one over the triangles of a
 //! mesh.
 //!
-//! Float32 only rules out; the float64 tests of `shape` decide. So the answer depends neither on the tree nor on the
-//! instruction set, and brute force leads to the same bits.
+//! Float32 only rules out; the float64 tests of `shape` decide. So the answer depends neither on
+//! the tree nor on the instruction set, and brute force leads to the same bits.
 //!
 //! | folder | job |
 //! |---|---|

@@ -1,7 +1,7 @@
 //! The boxes of a [`Bvh`] that are nearest to a point.
 //!
-//! A box is nearer by the margin that a ray has too (`bvh.rs`): it covers the rounding of the distance, and that of the
-//! shape's own.
+//! A box is nearer by the margin that a ray has too (`bvh.rs`): it covers the rounding of the
+//! distance, and that of the shape's own.
 
 use super::bvh::{Bvh, WalkStack};
 use super::node::{LEAF, Node, WIDTH};
@@ -33,8 +33,8 @@ impl Bvh {
 }
 
 impl Nearby<'_> {
-    /// The next box of which a point may be at a distance with a square of at most `limit`, roughly the nearest first. `limit` is
-    /// not larger than in the call before, and `stack` is the same.
+    /// The next box of which a point may be at a distance with a square of at most `limit`, roughly
+    /// the nearest first. `limit` is not larger than in the call before, and `stack` is the same.
     pub fn next(&self, limit: f64, stack: &mut WalkStack) -> Option<u32> {
         loop {
             let (child, squared) = stack.pop()?;
@@ -52,8 +52,8 @@ impl Nearby<'_> {
         }
     }
 
-    /// Lower bounds of the squares of the distances to a node's boxes, infinity where there is none. Where one is NaN or leaves float64,
-    /// zero.
+    /// Lower bounds of the squares of the distances to a node's boxes, infinity where there is
+    /// none. Where one is NaN or leaves float64, zero.
     fn squared(&self, node: &Node) -> [f64; WIDTH] {
         let mut squared = [0.0; WIDTH];
         for (planes, at) in node.planes.chunks_exact(2).zip(self.at.to_array()) {

@@ -1,4 +1,5 @@
-//! A node of a [`MeshTree`](super::MeshTree) or a [`Bvh`](super::Bvh): sixteen boxes and what is in them.
+//! A node of a [`MeshTree`](super::MeshTree) or a [`Bvh`](super::Bvh): sixteen boxes and what is in
+//! them.
 
 use bytemuck::{Pod, Zeroable};
 
@@ -14,8 +15,8 @@ pub(super) const LEAF: u32 = 1 << 31;
 #[repr(C, align(64))]
 #[doc(hidden)]
 pub struct Node {
-    /// The boxes' ends: low x, high x, low y, high y, low z, high z. The box of a child that is not there begins at
-    /// plus infinity and ends at minus infinity, so no ray meets it.
+    /// The boxes' ends: low x, high x, low y, high y, low z, high z. The box of a child that is not
+    /// there begins at plus infinity and ends at minus infinity, so no ray meets it.
     pub(super) planes: [[f32; WIDTH]; 6],
     /// The index of a node or, with [`LEAF`], of a leaf; in a [`Bvh`](super::Bvh) of a box.
     pub(super) children: [u32; WIDTH],

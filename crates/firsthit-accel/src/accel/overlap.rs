@@ -5,8 +5,9 @@ use super::node::{LEAF, Node, WIDTH};
 use crate::geometry::{Bounds, arrays};
 
 impl Bvh {
-    /// Calls `visit` with the index of each box that overlaps `bounds` or touches it, and of a few that only come near, until it
-    /// returns `true`. The order depends on the boxes alone. Returns whether `visit` ended it. `stack` is memory to be used again.
+    /// Calls `visit` with the index of each box that overlaps `bounds` or touches it, and of a few
+    /// that only come near, until it returns `true`. The order depends on the boxes alone. Returns
+    /// whether `visit` ended it. `stack` is memory to be used again.
     #[doc(hidden)]
     pub fn any_overlapping(
         &self,
@@ -14,7 +15,8 @@ impl Bvh {
         stack: &mut Vec<u32>,
         mut visit: impl FnMut(u32) -> bool,
     ) -> bool {
-        // Rounded as the boxes are: rounding keeps the order of numbers, so that what overlaps does so still.
+        // Rounded as the boxes are: rounding keeps the order of numbers, so that what overlaps does
+        // so still.
         let [low, high] = self.space.outwards(bounds);
         let overlapping = |node: &Node| {
             let mut overlaps: [bool; WIDTH] = arrays::from_fn(|k| !node.is_vacant(k));

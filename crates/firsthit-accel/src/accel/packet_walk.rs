@@ -2,9 +2,10 @@
 //!
 //! 1. Take the numbers for the slab test of each ray, and the least and the largest of them.
 //! 2. Test the sixteen boxes of a node against these. Put those that any ray may meet onto the
-//!    stack, the nearest last. 3. Continue with the last entry of the stack. At a leaf test its box
-//!    against each ray, and give out its index with the rays that meet it. The caller may shorten
-//!    the rays before it asks for the next.
+//!    stack, the nearest last.
+//! 3. Continue with the last entry of the stack. At a leaf test its box against each ray, and give
+//!    out its index with the rays that meet it. The caller may shorten the rays before it asks for
+//!    the next.
 //!
 //! Each operation of the slab test is monotone in its arguments, rounding included. So a box that
 //! the intervals of step 1 miss is missed by every ray, to the bit of its own test.

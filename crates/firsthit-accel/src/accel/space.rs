@@ -1,4 +1,5 @@
-//! The space of a [`MeshTree`](super::MeshTree): that of the mesh, moved and scaled into the cube from -1 to 1.
+//! The space of a [`MeshTree`](super::MeshTree): that of the mesh, moved and scaled into the cube
+//! from -1 to 1.
 
 use rayon::prelude::*;
 
@@ -14,8 +15,8 @@ pub(super) const CHUNK: usize = 65_536;
 /// The place and scale of the tree's space in the mesh's.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Space {
-    /// The mesh's place of the tree's origin. Minus zero along each axis where it is the mesh's own: to add that
-    /// changes no zero's sign.
+    /// The mesh's place of the tree's origin. Minus zero along each axis where it is the mesh's
+    /// own: to add that changes no zero's sign.
     pub(super) origin: DVec3,
     /// Units of the tree in a unit of the mesh: a power of two.
     pub(super) scale: f64,
@@ -23,8 +24,8 @@ pub(super) struct Space {
     pub(super) unscale: f64,
 }
 
-/// Coordinates up to this, and sizes down to its reciprocal, are scaled: products of three of them stay in float64's
-/// range.
+/// Coordinates up to this, and sizes down to its reciprocal, are scaled: products of three of them
+/// stay in float64's range.
 const LARGEST: f64 = 1e90;
 
 impl Space {
@@ -32,7 +33,8 @@ impl Space {
         let bounds = mesh.bounds();
         let largest = bounds.low.abs().max(bounds.high.abs()).max_element();
         let half = 0.5 * bounds.size().max_element();
-        // If the mesh's own origin is not far away, keep it: float32 coordinates then need no rounding.
+        // If the mesh's own origin is not far away, keep it: float32 coordinates then need no
+        // rounding.
         let is_near = largest <= 4.0 * half;
         let centre = bounds.centre();
         let origin = if is_near {
@@ -61,7 +63,8 @@ impl Space {
         points
     }
 
-    /// Whether `points` are the vertices of `mesh` to the last bit, as the sign of a zero can show in a hit's weights.
+    /// Whether `points` are the vertices of `mesh` to the last bit, as the sign of a zero can show
+    /// in a hit's weights.
     pub(super) fn is_exact(&self, mesh: &Mesh, points: &[[f32; 3]]) -> bool {
         let is_same = |(k, point): (usize, &[f32; 3])| {
             let position = mesh.positions().get(count(k));

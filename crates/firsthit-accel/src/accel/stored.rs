@@ -3,11 +3,14 @@
 //! Traversals index nodes, leaves and triangles by what nodes and leaves say, and continue for as
 //! long as there are children. So what is read must be a tree whose every index is there:
 //!
-//! 1. Each node but the root is the child of exactly one node, which stands before it. So no traversal visits a node twice.
+//! 1. Each node but the root is the child of exactly one node, which stands before it. So no
+//!    traversal visits a node twice.
 //! 2. No node is deeper than a traversal's stack allows.
-//! 3. Each child that is a leaf, each leaf's part of the order, each corner's vertex and each triangle of the order is there.
+//! 3. Each child that is a leaf, each leaf's part of the order, each corner's vertex and each
+//!    triangle of the order is there.
 //!
-//! 4. A leaf has a triangle, and its vertices are in the cube from -1 to 1, as rasterization takes for granted.
+//! 4. A leaf has a triangle, and its vertices are in the cube from -1 to 1, as rasterization takes
+//!    for granted.
 //!
 //! Boxes are not checked: wrong ones make wrong answers and no more.
 
@@ -70,7 +73,8 @@ impl MeshTree {
         TreeFacts { is_exact: self.is_exact, is_welded: self.is_welded, cost: self.cost }
     }
 
-    /// The tree over `mesh` that has these parts; see [the module](self). Checked by all threads of the current rayon pool.
+    /// The tree over `mesh` that has these parts; see [the module](self). Checked by all threads of
+    /// the current rayon pool.
     ///
     /// # Errors
     ///
@@ -150,7 +154,8 @@ fn check_nodes(nodes: &[Node], leaves: usize) -> Result<(), &'static str> {
     Ok(())
 }
 
-/// Whether a leaf has triangles, which stand within an order of that length, its corners are lanes, and its vertices in the cube.
+/// Whether a leaf has triangles, which stand within an order of that length, its corners are lanes,
+/// and its vertices in the cube.
 fn is_whole(leaf: &Meshlet, order: usize) -> bool {
     let count = leaf.filled.trailing_ones();
     let corners = leaf.corners.as_flattened();

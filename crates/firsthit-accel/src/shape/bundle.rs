@@ -1,5 +1,5 @@
-//! Rays side by side, or one alone: how shapes that are no meshes are intersected is written once for both, so that both come to the
-//! same bits.
+//! Rays side by side, or one alone: how shapes that are no meshes are intersected is written once
+//! for both, so that both come to the same bits.
 
 use super::{Crossing, Shape};
 use crate::geometry::arithmetic::{Arithmetic, Scalar};
@@ -84,7 +84,8 @@ impl<N: Copy> RayOf<N> {
     }
 }
 
-// Vectors, operation for operation as `DVec3` has them. (No closures: what they do is not inlined into kernels.)
+// Vectors, operation for operation as `DVec3` has them. (No closures: what they do is not inlined
+// into kernels.)
 
 #[inline(always)]
 #[doc(hidden)]

@@ -11,7 +11,8 @@ use crate::geometry::{
 };
 
 /// A round body that tapers along its axis, with its lids: a cone, a cone with its tip cut off, or
-/// (see [`Cylinder`](super::Cylinder)) a cylinder. Its primitives: 0 the side, 1 the bottom, 2 the top.
+/// (see [`Cylinder`](super::Cylinder)) a cylinder. Its primitives: 0 the side, 1 the bottom, 2 the
+/// top.
 ///
 /// ```
 /// use firsthit::{Cone, DVec3};
@@ -36,8 +37,8 @@ impl Cone {
     ///
     /// # Errors
     ///
-    /// [`Error::Argument`](crate::error::Error::Argument) for a `top` at the `bottom`, a negative radius, two radii of zero, and numbers
-    /// that are not finite.
+    /// [`Error::Argument`](crate::error::Error::Argument) for a `top` at the `bottom`, a negative
+    /// radius, two radii of zero, and numbers that are not finite.
     pub fn new(bottom: DVec3, top: DVec3, bottom_radius: f64, top_radius: f64) -> Result<Self> {
         require_finite("bottom", bottom)?;
         require_finite("top", top)?;

@@ -1,8 +1,8 @@
 //! Tests of the contract of [`Surface`] for every registered shape.
 //!
-//! The independent reference is the distance to the surface, written in another way than the intersection;
-//! walking along a ray by that distance (Hart, "Sphere Tracing", The Visual Computer 12, 1996) finds the
-//! first crossing without solving anything.
+//! The independent reference is the distance to the surface, written in another way than the
+//! intersection; walking along a ray by that distance (Hart, "Sphere Tracing", The Visual Computer
+//! 12, 1996) finds the first crossing without solving anything.
 
 use super::{Crossing, Nearest, Shape, Surface};
 use crate::geometry::{Bounds, DAffine3, DMat3, DQuat, DVec3, Ray, Transform};
@@ -11,7 +11,8 @@ use crate::geometry::{Bounds, DAffine3, DMat3, DQuat, DVec3, Ray, Transform};
 pub(super) trait Conforming: Sized {
     fn examples() -> Vec<Self>;
 
-    /// The distance to the surface, negative inside (or, for an open surface, behind it or positive).
+    /// The distance to the surface, negative inside (or, for an open surface, behind it or
+    /// positive).
     fn distance(&self, point: DVec3) -> f64;
 }
 
@@ -116,8 +117,8 @@ fn hits_lie_on_the_surface_and_in_the_bounds() {
     }
 }
 
-/// Seen from far away along `direction`, the distance to a shape is the distance to its supporting plane: the error
-/// falls off with the distance, and rounding grows with it.
+/// Seen from far away along `direction`, the distance to a shape is the distance to its supporting
+/// plane: the error falls off with the distance, and rounding grows with it.
 #[test]
 fn the_distance_from_far_away_is_that_to_the_supporting_plane() {
     const AWAY: f64 = 1e7;
@@ -310,8 +311,9 @@ fn lines_that_touch_a_round_shape_meet_it_just_inside_and_pass_it_just_outside()
     }
 }
 
-/// The nearest point is on the surface, as far away as it says, and as far as the distance that the shape brings; of a
-/// primitive that has it. Under a transform that turns and scales, all is as before, elsewhere and larger.
+/// The nearest point is on the surface, as far away as it says, and as far as the distance that the
+/// shape brings; of a primitive that has it. Under a transform that turns and scales, all is as
+/// before, elsewhere and larger.
 #[test]
 fn the_nearest_point_is_at_the_distance() {
     let turned = DAffine3::from_scale_rotation_translation(

@@ -7,7 +7,8 @@ use crate::error::Result;
 use crate::geometry::arithmetic::{Arithmetic, Scalar};
 use crate::geometry::{Bounds, DVec3, Digest, Ray, Transform, require, require_finite};
 
-/// A box, its sides along the axes. Its primitives are its faces: 0 to 5 for -x, +x, -y, +y, -z, +z.
+/// A box, its sides along the axes. Its primitives are its faces: 0 to 5 for -x, +x, -y, +y, -z,
+/// +z.
 ///
 /// ```
 /// use firsthit::{Cuboid, DVec3};
@@ -27,8 +28,8 @@ impl Cuboid {
     ///
     /// # Errors
     ///
-    /// [`Error::Argument`](crate::error::Error::Argument) when `high` is not above `low` along every axis, and for numbers that are not
-    /// finite.
+    /// [`Error::Argument`](crate::error::Error::Argument) when `high` is not above `low` along
+    /// every axis, and for numbers that are not finite.
     pub fn new(low: DVec3, high: DVec3) -> Result<Self> {
         require_finite("low", low)?;
         require_finite("high", high)?;

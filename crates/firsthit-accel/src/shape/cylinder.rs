@@ -24,8 +24,8 @@ impl Cylinder {
     ///
     /// # Errors
     ///
-    /// [`Error::Argument`](crate::error::Error::Argument) for a `top` at the `bottom`, a radius that is not
-    /// positive, and numbers that are not finite.
+    /// [`Error::Argument`](crate::error::Error::Argument) for a `top` at the `bottom`, a radius
+    /// that is not positive, and numbers that are not finite.
     pub fn new(bottom: DVec3, top: DVec3, radius: f64) -> Result<Self> {
         require_positive("radius", radius)?;
         Ok(Self { cone: Cone::new(bottom, top, radius, radius)? })

@@ -29,8 +29,8 @@ impl Disc {
     ///
     /// # Errors
     ///
-    /// [`Error::Argument`](crate::error::Error::Argument) for a normal of length zero, a radius that is not
-    /// positive, and numbers that are not finite.
+    /// [`Error::Argument`](crate::error::Error::Argument) for a normal of length zero, a radius
+    /// that is not positive, and numbers that are not finite.
     pub fn new(center: DVec3, normal: DVec3, radius: f64) -> Result<Self> {
         Ok(Self {
             plane: Plane::new(center, normal)?,

@@ -1,7 +1,8 @@
 //! A convex solid along a ray: one stretch of the ray is inside.
 //!
-//! A solid that is the common part of simpler ones is cut out of the ray part by part. What remains is
-//! a stretch with two ends, or nothing: so there is no seam between a lid and a side to slip through.
+//! A solid that is the common part of simpler ones is cut out of the ray part by part. What remains
+//! is a stretch with two ends, or nothing: so there is no seam between a lid and a side to slip
+//! through.
 
 use super::Crossing;
 use super::bundle::{CrossingOf, RayOf, crossing, equal, is_finite};
@@ -153,7 +154,8 @@ impl<A: Arithmetic> Interval<A> {
         self
     }
 
-    /// The first end that the ray holds. Where both are at the same `t` (the ray touches an edge), that with the lower primitive.
+    /// The first end that the ray holds. Where both are at the same `t` (the ray touches an edge),
+    /// that with the lower primitive.
     #[inline(always)]
     pub(super) fn first(self, ray: &RayOf<A::Number>) -> CrossingOf<A> {
         let Self { of, is_there, enter, exit } = self;

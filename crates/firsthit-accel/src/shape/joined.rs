@@ -1,7 +1,7 @@
 //! Several meshes in one space, as one list of triangles: what a tree over all of them numbers.
 //!
-//! The triangles of the first mesh come first, in their order, then those of the second, and so on. So of two triangles the lower number is
-//! that of the lower (mesh, triangle).
+//! The triangles of the first mesh come first, in their order, then those of the second, and so on.
+//! So of two triangles the lower number is that of the lower (mesh, triangle).
 
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -80,7 +80,8 @@ impl<'a> Meshes<'a> {
         mesh.corners(triangle as usize)
     }
 
-    /// The largest number that the place of a triangle's mesh in the world is computed from; 0 where there is one mesh alone.
+    /// The largest number that the place of a triangle's mesh in the world is computed from; 0
+    /// where there is one mesh alone.
     pub fn farthest(self, triangle: u32) -> f64 {
         match self {
             Self::One(_) => 0.0,
@@ -149,8 +150,8 @@ pub struct JoinedMeshes {
 }
 
 impl JoinedMeshes {
-    /// Joins meshes with triangles, each with the largest number that its place in the world is computed from. `None` for more triangles
-    /// than a number of 31 bits can count.
+    /// Joins meshes with triangles, each with the largest number that its place in the world is
+    /// computed from. `None` for more triangles than a number of 31 bits can count.
     pub fn new(meshes: Vec<Arc<Mesh>>, farthest: Vec<f64>) -> Option<Self> {
         let mut starts = Vec::with_capacity(meshes.len() + 1);
         let mut blocks = Vec::new();
@@ -208,11 +209,13 @@ impl JoinedMeshes {
         member == same && self.meshes[member].are_in_one_plane(one, other)
     }
 
-    /// All triangles as one mesh, for a tree to be built over them. Positions that several share are there once.
+    /// All triangles as one mesh, for a tree to be built over them. Positions that several share
+    /// are there once.
     ///
     /// # Errors
     ///
-    /// [`Error::Limit`] where there is no memory for it, or there are more vertices than triangles can name.
+    /// [`Error::Limit`] where there is no memory for it, or there are more vertices than triangles
+    /// can name.
     pub fn as_one(&self) -> Result<Mesh> {
         let mut firsts: HashMap<*const Positions, u32> = HashMap::new();
         let mut distinct = Vec::new();

@@ -1,5 +1,5 @@
-//! Triangles over shared vertices: the mesh itself. What else it knows is in `mesh/attributes.rs`, how rays meet it in
-//! `mesh/crossing.rs`.
+//! Triangles over shared vertices: the mesh itself. What else it knows is in `mesh/attributes.rs`,
+//! how rays meet it in `mesh/crossing.rs`.
 
 mod asked;
 mod attributes;
@@ -117,7 +117,8 @@ fn checked_bounds(positions: &Positions, triangles: &[[u32; 3]]) -> Result<Bound
 }
 
 impl Mesh {
-    /// Whether its triangles are those of another mesh, to the last bit and in the same order, whatever they look like.
+    /// Whether its triangles are those of another mesh, to the last bit and in the same order,
+    /// whatever they look like.
     #[doc(hidden)]
     pub fn is_congruent(&self, other: &Self) -> bool {
         // (Equal zeros may have different signs, which shows in a hit's weights.)
@@ -130,8 +131,8 @@ impl Mesh {
             && (Arc::ptr_eq(&self.positions, &other.positions) || same_bits())
     }
 
-    /// The mesh of `triangles`, which index `positions`; counter-clockwise is front. Several meshes may
-    /// share their positions: surfaces that meet there have no cracks between them.
+    /// The mesh of `triangles`, which index `positions`; counter-clockwise is front. Several meshes
+    /// may share their positions: surfaces that meet there have no cracks between them.
     ///
     /// # Errors
     ///
@@ -176,7 +177,8 @@ impl Mesh {
     ///
     /// # Errors
     ///
-    /// [`Error::Argument`] for another number of vertices, and for a triangle whose corner is NaN or infinite.
+    /// [`Error::Argument`] for another number of vertices, and for a triangle whose corner is NaN
+    /// or infinite.
     pub fn with_positions(self, positions: impl Into<Arc<Positions>>) -> Result<Self> {
         let positions = positions.into();
         let (count, got) = (self.positions.len(), positions.len());
@@ -241,7 +243,8 @@ pub fn point_of([a, b, c]: [DVec3; 3], weights: DVec2) -> DVec3 {
     a + (weights.x * (b - a) + weights.y * (c - a))
 }
 
-/// The box around the corners of all triangles, in one pass; `None` if a corner is not there or not finite.
+/// The box around the corners of all triangles, in one pass; `None` if a corner is not there or not
+/// finite.
 fn bounds_of<T>(points: &[[T; 3]], triangles: &[[u32; 3]]) -> Option<Bounds>
 where
     T: Copy + PartialOrd + Into<f64>,

@@ -73,17 +73,19 @@ pub trait Surface {
     /// A box around the shape; everything for an infinite one.
     fn bounds(&self) -> Bounds;
 
-    /// The support function: the largest dot product of `direction` with a point of the shape, for a direction of any
-    /// length. Infinite for an infinite shape, minus infinity for one without points.
+    /// The support function: the largest dot product of `direction` with a point of the shape, for
+    /// a direction of any length. Infinite for an infinite shape, minus infinity for one without
+    /// points.
     fn support(&self, direction: DVec3) -> f64;
 
-    /// The first crossing that [the ray holds](Ray::holds); at the same `t` the lower primitive. Surfaces are
-    /// met from both sides, closed shapes from inside too. `ray` is valid, its direction of any length whose
-    /// square float64 can hold (what scenes are shot at with may have any length).
+    /// The first crossing that [the ray holds](Ray::holds); at the same `t` the lower primitive.
+    /// Surfaces are met from both sides, closed shapes from inside too. `ray` is valid, its
+    /// direction of any length whose square float64 can hold (what scenes are shot at with may have
+    /// any length).
     fn intersect(&self, ray: &Ray) -> Option<Crossing>;
 
-    /// Every crossing that the ray holds, in order. Of a solid both ends, although they may be in one place. (A mesh says
-    /// the first alone: its triangles are asked one by one.)
+    /// Every crossing that the ray holds, in order. Of a solid both ends, although they may be in
+    /// one place. (A mesh says the first alone: its triangles are asked one by one.)
     fn crossings(&self, ray: &Ray) -> [Option<Crossing>; 2] {
         [self.intersect(ray), None]
     }
@@ -91,19 +93,20 @@ pub trait Surface {
     /// The normal at a point of the surface, of length one, outwards for closed shapes.
     fn normal(&self, point: DVec3, primitive: i32) -> DVec3;
 
-    /// The point of the surface that `point` is, but for rounding: off the surface by a few 2^-53 of the shape's
-    /// coordinates and size. (Of a mesh, `point` itself: a hit's weights say more.)
+    /// The point of the surface that `point` is, but for rounding: off the surface by a few 2^-53
+    /// of the shape's coordinates and size. (Of a mesh, `point` itself: a hit's weights say more.)
     fn onto(&self, point: DVec3, primitive: i32) -> DVec3;
 
-    /// Calls `visit` with the point of each primitive that is nearest to `from`, in the order of the primitives. `from`, those
-    /// points and the distances are in the world, to which `place` takes the shape. Where several points of a primitive
-    /// are equally near, it is one of them, always the same. A shape that [cannot be measured](Shape::is_measurable) there
-    /// has none.
+    /// Calls `visit` with the point of each primitive that is nearest to `from`, in the order of
+    /// the primitives. `from`, those points and the distances are in the world, to which `place`
+    /// takes the shape. Where several points of a primitive are equally near, it is one of them,
+    /// always the same. A shape that [cannot be measured](Shape::is_measurable) there has none.
     ///
-    /// Of a mesh the distance is that to the triangle whose corners are the mesh's, each taken to the world and rounded
-    /// to float64: off by a few units in the last place, or by 2^-90 of the way to the triangle's corners if that is more. A
-    /// triangle that is thinner than 2^-50 of its longest edge counts as its edges. Of other shapes the distance is off by a few
-    /// 2^-53 of the shape's size and of itself.
+    /// Of a mesh the distance is that to the triangle whose corners are the mesh's, each taken to
+    /// the world and rounded to float64: off by a few units in the last place, or by 2^-90 of the
+    /// way to the triangle's corners if that is more. A triangle that is thinner than 2^-50 of its
+    /// longest edge counts as its edges. Of other shapes the distance is off by a few 2^-53 of the
+    /// shape's size and of itself.
     fn nearest(&self, from: DVec3, place: &Transform, visit: &mut dyn FnMut(Nearest));
 
     /// Adds every number that the shape is made from: two shapes that differ anywhere differ here.
@@ -213,8 +216,8 @@ shapes! {
 }
 
 impl Shape {
-    /// Whether its surface is closed. Solids are, and [closed meshes](Mesh::is_closed), of which an empty one has no inside; planes and
-    /// discs are open.
+    /// Whether its surface is closed. Solids are, and [closed meshes](Mesh::is_closed), of which an
+    /// empty one has no inside; planes and discs are open.
     pub fn is_closed(&self) -> bool {
         match self {
             // Without memory to find out, it is as good as open.
@@ -224,8 +227,9 @@ impl Shape {
         }
     }
 
-    /// Whether distances to the shape can be measured in the world to which `place` takes it. Cones and cylinders must
-    /// stay round there: a transform must stretch them by the same in all directions.
+    /// Whether distances to the shape can be measured in the world to which `place` takes it. Cones
+    /// and cylinders must stay round there: a transform must stretch them by the same in all
+    /// directions.
     pub fn is_measurable(&self, place: &Transform) -> bool {
         match self {
             Self::Cone(_) | Self::Cylinder(_) => {

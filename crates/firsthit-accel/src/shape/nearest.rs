@@ -1,7 +1,8 @@
 //! The points of shapes that are nearest to a point, in the world.
 //!
-//! Distances do not survive a transform that stretches, so each shape measures in the world: it takes itself there first.
-//! What is compared between shapes is the square of the distance, as the float64 number that they say.
+//! Distances do not survive a transform that stretches, so each shape measures in the world: it
+//! takes itself there first. What is compared between shapes is the square of the distance, as the
+//! float64 number that they say.
 
 mod ellipse;
 mod segment;
@@ -46,8 +47,8 @@ impl Nearest {
 
 /// The factor on lengths of a map that keeps angles; `None` for one that bends spheres.
 ///
-/// The columns of such a map are perpendicular and of one length. Products of a few rotations are so but for rounding, for
-/// which 2^-46 of that length's square is room.
+/// The columns of such a map are perpendicular and of one length. Products of a few rotations are
+/// so but for rounding, for which 2^-46 of that length's square is room.
 pub(crate) fn similarity(map: &DMat3) -> Option<f64> {
     const ROUNDING: f64 = 64.0 * f64::EPSILON;
     let gram = map.transpose() * *map;

@@ -29,11 +29,12 @@ impl Plane {
     ///
     /// # Errors
     ///
-    /// [`Error::Argument`](crate::error::Error::Argument) for a normal of length zero and for numbers that are
-    /// not finite.
+    /// [`Error::Argument`](crate::error::Error::Argument) for a normal of length zero and for
+    /// numbers that are not finite.
     pub fn new(point: DVec3, normal: DVec3) -> Result<Self> {
         let normal = require_direction("normal", normal)?;
-        // One that was made here before keeps its bits: to make a normal of length one of one that is can change it.
+        // One that was made here before keeps its bits: to make a normal of length one of one that
+        // is can change it.
         let is_unit = (normal.length_squared() - 1.0).abs() <= 8.0 * f64::EPSILON;
         let normal = if is_unit { normal } else { unit(normal) };
         Ok(Self { point: require_finite("point", point)?, normal })

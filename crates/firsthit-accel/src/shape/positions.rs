@@ -7,8 +7,8 @@ use crate::geometry::summary::Count;
 use crate::geometry::{DVec3, single};
 use crate::memory::{self, Storage};
 
-/// Points in space, in the type that holds them without loss: float32 where every coordinate is one,
-/// which halves the memory, float64 otherwise.
+/// Points in space, in the type that holds them without loss: float32 where every coordinate is
+/// one, which halves the memory, float64 otherwise.
 ///
 /// ```
 /// use firsthit::Positions;

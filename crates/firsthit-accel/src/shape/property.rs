@@ -7,8 +7,8 @@ use crate::geometry::summary::Count;
 use crate::geometry::{require, single};
 use crate::memory::Storage;
 
-/// Numbers that a file gives to a mesh by name, such as a scan's quality: one or several for each vertex, corner or polygon.
-/// `channel::attribute` looks them up where rays met the mesh.
+/// Numbers that a file gives to a mesh by name, such as a scan's quality: one or several for each
+/// vertex, corner or polygon. `channel::attribute` looks them up where rays met the mesh.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Property {
     /// The name in the file.
@@ -28,7 +28,8 @@ pub struct Property {
 pub enum Between {
     /// The mean of the corners' values by the barycentric weights: for quantities.
     Interpolated,
-    /// The value of the corner with the largest weight, of equal ones the first: for labels, which have no mean.
+    /// The value of the corner with the largest weight, of equal ones the first: for labels, which
+    /// have no mean.
     NearestCorner,
 }
 
@@ -39,7 +40,8 @@ pub enum PropertyOf {
     Vertices,
     /// The corners of the triangles, numbers for each: three times as many as triangles.
     Corners,
-    /// The polygons, numbers for each: triangles look theirs up by [`Mesh::face`](super::Mesh::face).
+    /// The polygons, numbers for each: triangles look theirs up by
+    /// [`Mesh::face`](super::Mesh::face).
     Faces,
 }
 
@@ -172,8 +174,8 @@ fn nearest_corner(weights: [f64; 3]) -> usize {
     later(later(0, 1), 2)
 }
 
-/// The sum of the weighted values, corner after corner. A corner of weight zero does not count, so that at a vertex its value
-/// comes out as it is, whatever the others are.
+/// The sum of the weighted values, corner after corner. A corner of weight zero does not count, so
+/// that at a vertex its value comes out as it is, whatever the others are.
 pub(super) fn mean(values: [f64; 3], weights: [f64; 3]) -> f64 {
     let corners = values.into_iter().zip(weights);
     let counting = corners.filter(|&(_, weight)| weight != 0.0);

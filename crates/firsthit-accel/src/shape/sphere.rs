@@ -33,8 +33,8 @@ impl Sphere {
     ///
     /// # Errors
     ///
-    /// [`Error::Argument`](crate::error::Error::Argument) for a radius that is not positive and for numbers
-    /// that are not finite.
+    /// [`Error::Argument`](crate::error::Error::Argument) for a radius that is not positive and for
+    /// numbers that are not finite.
     pub fn new(center: DVec3, radius: f64) -> Result<Self> {
         Ok(Self {
             center: require_finite("center", center)?,

@@ -1,23 +1,28 @@
-//! The exact test: does this ray meet this triangle, and where? It decides as exact arithmetic on the float64 numbers
-//! would.
+//! The exact test: does this ray meet this triangle, and where? It decides as exact arithmetic on
+//! the float64 numbers would.
 //!
-//! 1. Shear space so that the ray runs along one axis from the origin, and compute the sides of the three edges: twice
-//!    the area that the origin and an edge span.
-//! 2. Where two sides have different signs and both are larger than their rounding, the ray passes the triangle.
+//! 1. Shear space so that the ray runs along one axis from the origin, and compute the sides of the
+//!    three edges: twice the area that the origin and an edge span.
+//! 2. Where two sides have different signs and both are larger than their rounding, the ray passes
+//!    the triangle.
 //! 3. Where all sides have one sign and are larger than their rounding, it meets the triangle.
-//! 4. Elsewhere take the sign of each side from a determinant without rounding (`geometry/exact.rs`). The ray meets the
-//!    triangle where no two signs differ, and not all are zero.
+//! 4. Elsewhere take the sign of each side from a determinant without rounding
+//!    (`geometry/exact.rs`). The ray meets the triangle where no two signs differ, and not all are
+//!    zero.
 //! 5. Compute where (`triangle/place.rs`).
 //!
-//! Edges and corners are part of a triangle, and neighbours agree about their edge. So no ray passes between them. A query
-//! that takes every crossing once has another rule for zeros in step 4: `triangle/crossed.rs`.
+//! Edges and corners are part of a triangle, and neighbours agree about their edge. So no ray
+//! passes between them. A query that takes every crossing once has another rule for zeros in step
+//! 4: `triangle/crossed.rs`.
 //!
-//! Woop, Benthin and Wald, "Watertight Ray/Triangle Intersection", Journal of Computer Graphics Techniques 2(1), 2013.
-//! It departs in step 4: there float64 decides for float32, and the sheared corners are rounded.
+//! Woop, Benthin and Wald, "Watertight Ray/Triangle Intersection", Journal of Computer Graphics
+//! Techniques 2(1), 2013. It departs in step 4: there float64 decides for float32, and the sheared
+//! corners are rounded.
 //!
 //! # Error bounds
 //!
-//! In units of 2^-53. M is the largest coordinate before the shear, X the largest after it, which is at most 2 M.
+//! In units of 2^-53. M is the largest coordinate before the shear, X the largest after it, which
+//! is at most 2 M.
 //!
 //! - A coordinate relative to the origin is off by M, and a slope by 1.
 //! - A coordinate across the ray is off by M + 3 M + X.
@@ -66,7 +71,8 @@ pub struct Shear {
 /// Whether a ray at an edge or corner meets a triangle.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum EdgeRule {
-    /// Edges and corners are part of every triangle that has them: between neighbours there is no gap.
+    /// Edges and corners are part of every triangle that has them: between neighbours there is no
+    /// gap.
     Closed,
     /// One of two neighbours has each point of an edge, as a ray infinitely little beside it would
     /// see them: on a closed mesh every ray enters as often as it leaves.
@@ -123,8 +129,8 @@ impl Shear {
         }
     }
 
-    /// The vertex relative to the ray: its coordinates across the ray, and the largest coordinate that they are
-    /// computed from.
+    /// The vertex relative to the ray: its coordinates across the ray, and the largest coordinate
+    /// that they are computed from.
     #[inline(always)]
     fn sheared(&self, vertex: DVec3) -> (DVec2, f64) {
         let relative = vertex - self.origin;
@@ -230,8 +236,8 @@ pub(crate) fn locate(
     }
 }
 
-/// Whether two `t` are so close that they do not tell which of the exact ones is smaller: each is within a unit in the
-/// last place of its exact one.
+/// Whether two `t` are so close that they do not tell which of the exact ones is smaller: each is
+/// within a unit in the last place of its exact one.
 #[inline(always)]
 #[doc(hidden)]
 pub fn are_close(a: f64, b: f64) -> bool {
@@ -250,13 +256,15 @@ pub fn clear_of(t: f64) -> f64 {
 #[doc(hidden)]
 pub struct Doubtful {
     meeting: Meeting<f64>,
-    /// Whether the ray is known to meet the triangle, and only where it does is left to be computed.
+    /// Whether the ray is known to meet the triangle, and only where it does is left to be
+    /// computed.
     is_met: bool,
     edges: EdgeRule,
 }
 
 impl Doubtful {
-    /// Whether the triangle's plane is surely not met between two `t`; rays from a mesh's vertex come to many such triangles.
+    /// Whether the triangle's plane is surely not met between two `t`; rays from a mesh's vertex
+    /// come to many such triangles.
     #[inline(always)]
     pub(crate) fn is_outside(&self, t_min: f64, t_max: f64) -> bool {
         self.meeting.is_outside(t_min, t_max)
@@ -312,7 +320,8 @@ impl Doubtful {
     }
 }
 
-/// Numbers with the exact signs of the sides of a triangle's edges, its corners given relative to the ray's origin.
+/// Numbers with the exact signs of the sides of a triangle's edges, its corners given relative to
+/// the ray's origin.
 #[inline(always)]
 fn exact_sides(d: &Scaled, corners: &[DoubleVector<f64>; 3]) -> [f64; 3] {
     let [a, b, c] = corners;
@@ -321,8 +330,8 @@ fn exact_sides(d: &Scaled, corners: &[DoubleVector<f64>; 3]) -> [f64; 3] {
     [side(&c, &b), side(&a, &c), side(&b, &a)]
 }
 
-/// The corners across a ray along an axis, if float64 has them without rounding. Such rays are frequent: they are those
-/// of grids.
+/// The corners across a ray along an axis, if float64 has them without rounding. Such rays are
+/// frequent: they are those of grids.
 #[inline(always)]
 fn along_axis(d: &DoubleVector<f64>, corners: &[DoubleVector<f64>; 3]) -> Option<[DVec2; 3]> {
     let zeros = arrays::map(*d, |part| part.high == 0.0);
@@ -356,9 +365,9 @@ fn side(p: DVec2, q: DVec2) -> f64 {
     if difference == 0.0 { side_of_equals(p, q, left, right) } else { difference }
 }
 
-/// [`side`] where both products round to the same number. What rounding took from each then decides, and a fused
-/// multiply-add gives that exactly. (Products that differ after rounding differ in the same way before it, since
-/// rounding is monotonic.)
+/// [`side`] where both products round to the same number. What rounding took from each then
+/// decides, and a fused multiply-add gives that exactly. (Products that differ after rounding
+/// differ in the same way before it, since rounding is monotonic.)
 #[cold]
 fn side_of_equals(p: DVec2, q: DVec2, left: f64, right: f64) -> f64 {
     // What rounding took from a product this small may itself be too small for float64.

@@ -46,14 +46,15 @@ impl Camera {
         })
     }
 
-    /// The camera of `view` moved, without turning it, so that a scene fills the picture. A perspective camera keeps its field of
-    /// view; an orthographic one gets a viewplane of the scene's size, of the same shape. The picture is
-    /// 1.05 times as large as the scene in one of its two directions and centres the scene in the other. Rays start at
-    /// the eye. The eye stays away from the scene by at least a millionth of its depth, and by 1e-12 of its distance from
+    /// The camera of `view` moved, without turning it, so that a scene fills the picture. A
+    /// perspective camera keeps its field of view; an orthographic one gets a viewplane of the
+    /// scene's size, of the same shape. The picture is 1.05 times as large as the scene in one of
+    /// its two directions and centres the scene in the other. Rays start at the eye. The eye stays
+    /// away from the scene by at least a millionth of its depth, and by 1e-12 of its distance from
     /// the origin: a scene that is narrower than that looks small.
     ///
-    /// `support` is the scene's support function: the largest dot product of a direction with a point of the scene
-    /// (`Scene::support`). It is called up to 18 times.
+    /// `support` is the scene's support function: the largest dot product of a direction with a
+    /// point of the scene (`Scene::support`). It is called up to 18 times.
     ///
     /// ```
     /// use firsthit::{Camera, DVec3, View};
@@ -86,8 +87,8 @@ impl Camera {
 }
 
 impl Viewplane {
-    /// A perspective camera's viewplane of square pixels at distance one, so large that `fov` degrees
-    /// lie between its edges or corners. Rays start at the eye.
+    /// A perspective camera's viewplane of square pixels at distance one, so large that `fov`
+    /// degrees lie between its edges or corners. Rays start at the eye.
     ///
     /// ```
     /// use firsthit::Viewplane;

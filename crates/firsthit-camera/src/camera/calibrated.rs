@@ -1,4 +1,5 @@
-//! Calibrated cameras: a distortion, which takes directions to a normalised image, and the matrix that takes that to pixels.
+//! Calibrated cameras: a distortion, which takes directions to a normalised image, and the matrix
+//! that takes that to pixels.
 
 #![allow(
     clippy::inline_always,
@@ -15,7 +16,8 @@ use crate::error::Result;
 use crate::geometry::arithmetic::{Arithmetic, Scalar};
 use crate::geometry::{DVec2, DVec3, Setting, Settings, Value, require};
 
-/// A calibrated camera with one of the models of [`distortion`](super::distortion). Rays start at the camera.
+/// A calibrated camera with one of the models of [`distortion`](super::distortion). Rays start at
+/// the camera.
 ///
 /// ```
 /// use firsthit::camera::{Calibrated, PixelMatrix, distortion::OpenCv};
@@ -35,8 +37,8 @@ pub struct Calibrated<D> {
     pub matrix: PixelMatrix,
     /// The map from directions to the normalised image.
     pub distortion: D,
-    /// The diameter of the lens, for the colours of pictures with several samples; 0 is a pinhole. See
-    /// [`Camera::thin_lens`](super::Camera::thin_lens).
+    /// The diameter of the lens, for the colours of pictures with several samples; 0 is a pinhole.
+    /// See [`Camera::thin_lens`](super::Camera::thin_lens).
     pub aperture: f64,
     /// The distance along the aim from the camera to the plane in focus; 0 by default, as of a
     /// pinhole.
@@ -113,11 +115,11 @@ impl<D: Distortion + Settings> Parameters for Calibrated<D> {
 }
 
 impl<D: Copy> Calibrated<D> {
-    /// The lens as it is from a point of its aperture, so much to the right and upwards of the camera's position: what is in focus is
-    /// seen at the same places. It is a pinhole's.
+    /// The lens as it is from a point of its aperture, so much to the right and upwards of the
+    /// camera's position: what is in focus is seen at the same places. It is a pinhole's.
     ///
-    /// Let a pixel's ray go to the point `focus (x, y, 1)`. From the point (a, -b, 0) that is in the direction of
-    /// (x - a / focus, y + b / focus, 1).
+    /// Let a pixel's ray go to the point `focus (x, y, 1)`. From the point (a, -b, 0) that is in
+    /// the direction of (x - a / focus, y + b / focus, 1).
     pub(super) fn seen_from(&self, point: DVec2) -> Self {
         Self {
             aperture: 0.0,

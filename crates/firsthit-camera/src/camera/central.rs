@@ -1,4 +1,5 @@
-//! Lenses through which all rays start at the camera's position: a direction for each point of the picture.
+//! Lenses through which all rays start at the camera's position: a direction for each point of the
+//! picture.
 
 #![allow(
     clippy::inline_always,
@@ -24,7 +25,8 @@ pub(super) trait Central: Send + Sync {
     fn prepare(&mut self, _size: [usize; 2]) -> Result<()> {
         Ok(())
     }
-    /// The direction that is seen at a point of the picture, of any length; `None` where nothing is.
+    /// The direction that is seen at a point of the picture, of any length; `None` where nothing
+    /// is.
     fn direction(&self, size: [usize; 2], pixel: DVec2) -> Option<DVec3>;
     /// The directions for a single point or for several at once, with a mask of where they are
     /// known. Elsewhere [`direction`](Self::direction) decides.
@@ -149,7 +151,8 @@ impl<C: Central> Kernel for RowOfDirections<'_, C> {
     }
 }
 
-/// Pixels that are computed together: twice as many as there are lanes, for each step waits for the one before.
+/// Pixels that are computed together: twice as many as there are lanes, for each step waits for the
+/// one before.
 const AT_ONCE: usize = 2 * WIDE;
 
 /// Stores as many of sixteen numbers as there is room for.

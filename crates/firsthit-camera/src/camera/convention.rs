@@ -29,7 +29,8 @@ named! {
     /// OpenCV: `[R | t]`, as `cv2.solvePnP` and `cv2.calibrateCamera` give them.
     #[default]
     "opencv" => OpenCv;
-    /// OpenGL: the inverse of the view matrix, as pyrender and trimesh take poses, and radiance fields.
+    /// OpenGL: the inverse of the view matrix, as pyrender and trimesh take poses, and radiance
+    /// fields.
     "opengl" => OpenGl;
     /// COLMAP: `images.txt`.
     "colmap" => Colmap;
@@ -37,7 +38,8 @@ named! {
     "blender" => Blender;
     /// ROS: the pose of the optical frame of REP 103, with K of `CameraInfo`.
     "ros" => Ros;
-    /// `PyTorch3D`: `get_world_to_view_transform().get_matrix()`, which is applied to rows; K in screen space.
+    /// `PyTorch3D`: `get_world_to_view_transform().get_matrix()`, which is applied to rows; K in
+    /// screen space.
     "pytorch3d" => PyTorch3d;
     /// nerfstudio: `transform_matrix` of `transforms.json`.
     "nerfstudio" => Nerfstudio;
@@ -80,12 +82,13 @@ impl Convention {
         }
     }
 
-    /// The pose that this convention writes as `matrix`, row by row: from right, up and backwards to the world.
+    /// The pose that this convention writes as `matrix`, row by row: from right, up and backwards
+    /// to the world.
     ///
     /// # Errors
     ///
-    /// [`Error::Argument`](crate::error::Error::Argument) for a matrix that is no rigid motion to 1e-4: scaled, mirrored, sheared, or with
-    /// another last row than (0, 0, 0, 1).
+    /// [`Error::Argument`](crate::error::Error::Argument) for a matrix that is no rigid motion to
+    /// 1e-4: scaled, mirrored, sheared, or with another last row than (0, 0, 0, 1).
     pub fn pose(self, matrix: [[f64; 4]; 4]) -> Result<DAffine3> {
         let rows = if self.matrix_form() == MatrixForm::RowsOfCamera {
             [0, 1, 2, 3].map(|row| [0, 1, 2, 3].map(|column| matrix[column][row]))
@@ -112,7 +115,8 @@ impl Convention {
         Ok(DAffine3::from_mat3_translation(rotation, world_from_camera.translation))
     }
 
-    /// The matrix, row by row, that this convention writes a pose as, which goes from right, up and backwards to the world.
+    /// The matrix, row by row, that this convention writes a pose as, which goes from right, up and
+    /// backwards to the world.
     pub fn matrix(self, pose: &DAffine3) -> [[f64; 4]; 4] {
         let signs = DMat3::from_diagonal(self.signs());
         let rotation = pose.matrix3 * signs;
@@ -146,13 +150,15 @@ impl Convention {
     }
 }
 
-/// Whether a matrix is a rotation to 1e-4: neither scaled nor sheared nor mirrored. One with a NaN is none.
+/// Whether a matrix is a rotation to 1e-4: neither scaled nor sheared nor mirrored. One with a NaN
+/// is none.
 fn is_rotation(matrix: &DMat3) -> bool {
     let off = (matrix.transpose() * *matrix - DMat3::IDENTITY).to_cols_array();
     off.iter().all(|x| x.abs() < 1e-4) && matrix.determinant() > 0.0
 }
 
-/// Fails for a pose whose `matrix` is no rotation to 1e-4, with how far it is off one; `got` is the pose.
+/// Fails for a pose whose `matrix` is no rotation to 1e-4, with how far it is off one; `got` is the
+/// pose.
 pub(super) fn require_rotation(matrix: &DMat3, got: impl FnOnce() -> String) -> Result<()> {
     if is_rotation(matrix) {
         return Ok(());
@@ -176,8 +182,9 @@ pub(super) fn require_rotation(matrix: &DMat3, got: impl FnOnce() -> String) -> 
 /// The largest distance of a number of a rounded pose from that of the nearest rotation.
 const FARTHEST: f64 = 1e-3;
 
-/// The polar factor of a matrix that does not mirror, by Newton's method: near a rotation each step squares what is off, and far from it
-/// halves it (Higham, "Computing the Polar Decomposition", 1986).
+/// The polar factor of a matrix that does not mirror, by Newton's method: near a rotation each step
+/// squares what is off, and far from it halves it (Higham, "Computing the Polar Decomposition",
+/// 1986).
 fn polar_factor(matrix: &DMat3, steps: u32) -> DMat3 {
     (0..steps).fold(*matrix, |m, _| (m + m.inverse().transpose()) * 0.5)
 }
@@ -187,8 +194,9 @@ fn largest(matrix: &DMat3) -> f64 {
     numbers.iter().fold(0.0, |most: f64, x| most.max(x.abs()))
 }
 
-/// A pose whose rotation is none to 1e-4, but no number of which is farther than 1e-3 from one, as where a file has three decimals: the
-/// pose with the nearest rotation, and how far a number was off. `None` for all others. It is the same for every [`Convention`].
+/// A pose whose rotation is none to 1e-4, but no number of which is farther than 1e-3 from one, as
+/// where a file has three decimals: the pose with the nearest rotation, and how far a number was
+/// off. `None` for all others. It is the same for every [`Convention`].
 ///
 /// ```
 /// use firsthit::camera::orthonormalised;
@@ -287,7 +295,8 @@ impl Camera {
     ///
     /// # Errors
     ///
-    /// [`Error::Argument`] for focal lengths that are not positive, and all that [`Camera::new`] refuses.
+    /// [`Error::Argument`] for focal lengths that are not positive, and all that [`Camera::new`]
+    /// refuses.
     pub fn from_intrinsics(
         matrix: &PixelMatrix,
         pose: &DAffine3,
@@ -303,7 +312,8 @@ impl Camera {
 mod tests {
     use super::*;
 
-    /// Written out by hand: what each convention's matrix makes of a point that is 2 to the right, 3 up and 5 ahead.
+    /// Written out by hand: what each convention's matrix makes of a point that is 2 to the right,
+    /// 3 up and 5 ahead.
     #[test]
     fn every_convention_puts_a_point_where_its_axes_say() {
         let camera = Camera::new(View {

@@ -1,4 +1,5 @@
-//! The whole sphere on the six faces of a cube, each a perspective picture of 90 degrees seen from inside.
+//! The whole sphere on the six faces of a cube, each a perspective picture of 90 degrees seen from
+//! inside.
 //!
 //! The picture's shape says how the faces lie, R(ight), L(eft), U(p), D(own), F(ront), B(ack):
 //!
@@ -9,8 +10,9 @@
 //!                            . D . .
 //! ```
 //!
-//! In rows this is the order of OpenGL's +x, -x, +y, -y, +z, -z where z is the aim. The faces around have up at their upper edge; the
-//! lower edge of U and the upper edge of D touch F. In the cross what is no face sees nothing.
+//! In rows this is the order of OpenGL's +x, -x, +y, -y, +z, -z where z is the aim. The faces
+//! around have up at their upper edge; the lower edge of U and the upper edge of D touch F. In the
+//! cross what is no face sees nothing.
 
 use super::central::Central;
 use crate::error::Result;
@@ -21,7 +23,8 @@ settings! {
     pub struct CubeMap {}
 }
 
-/// The letter of each face; to the right in its picture, down, and to its middle; the camera's x to the right, y down, z ahead.
+/// The letter of each face; to the right in its picture, down, and to its middle; the camera's x to
+/// the right, y down, z ahead.
 const FACES: [(u8, [DVec3; 3]); 6] = [
     (b'R', [DVec3::NEG_Z, DVec3::Y, DVec3::X]),
     (b'L', [DVec3::Z, DVec3::Y, DVec3::NEG_X]),

@@ -1,4 +1,5 @@
-//! A panorama on a cylinder around `up`: longitude is linear across, and straight lines along `up` stay straight.
+//! A panorama on a cylinder around `up`: longitude is linear across, and straight lines along `up`
+//! stay straight.
 
 use super::central::Central;
 use super::equirectangular::radians;

@@ -65,8 +65,9 @@ pub enum Focus {
 #[expect(clippy::large_enum_variant, reason = "a description is made once for a camera")]
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Opening {
-    /// Degrees along [`Description::fov_axis`], with square pixels: for perspective cameras. Of fisheyes those of a circle
-    /// that touches the longer edges, of panoramas those from the left to the right edge.
+    /// Degrees along [`Description::fov_axis`], with square pixels: for perspective cameras. Of
+    /// fisheyes those of a circle that touches the longer edges, of panoramas those from the left
+    /// to the right edge.
     Fov(f64),
     /// A viewplane of a size.
     Viewplane {
@@ -90,14 +91,14 @@ impl Description {
     /// The field of view where nothing is said, in degrees.
     pub const FOV: f64 = 45.0;
 
-    /// The camera for a scene with these `bounds` and this support function (see `Scene::support`), in
-    /// which `up` is up. An empty or infinite scene counts as the box from -1 to 1.
+    /// The camera for a scene with these `bounds` and this support function (see `Scene::support`),
+    /// in which `up` is up. An empty or infinite scene counts as the box from -1 to 1.
     ///
     /// # Errors
     ///
-    /// [`Error::Argument`] for a point to look at without a position or at it, for the viewplane of a
-    /// perspective camera without its distance, for a field of view of an orthographic one, and for all
-    /// that [`Camera::new`] refuses.
+    /// [`Error::Argument`] for a point to look at without a position or at it, for the viewplane of
+    /// a perspective camera without its distance, for a field of view of an orthographic one, and
+    /// for all that [`Camera::new`] refuses.
     pub fn camera(
         &self,
         bounds: Bounds,
@@ -342,7 +343,8 @@ impl Description {
         Ok(view.aimed_at(target))
     }
 
-    /// The view with another way up where the convention says nothing: straight from above or below.
+    /// The view with another way up where the convention says nothing: straight from above or
+    /// below.
     fn upright(&self, view: View) -> View {
         let is_along = unit(view.aim).cross(view.up).length() < 1e-9;
         if self.up.is_some() || !is_along {

@@ -1,6 +1,7 @@
 //! A panorama in which longitude and latitude are linear in the picture.
 //!
-//! The middle of the picture is the aim. Longitude grows to the right, latitude upwards. The whole sphere has 360 by 180 degrees.
+//! The middle of the picture is the aim. Longitude grows to the right, latitude upwards. The whole
+//! sphere has 360 by 180 degrees.
 
 #![allow(
     clippy::inline_always,
@@ -15,7 +16,8 @@ use crate::geometry::arithmetic::{Arithmetic, Scalar};
 use crate::geometry::{DVec2, DVec3, Domain, settings};
 
 settings! {
-    /// See [`Projection::Equirectangular`](super::Projection::Equirectangular). Rays start at the camera.
+    /// See [`Projection::Equirectangular`](super::Projection::Equirectangular). Rays start at the
+    /// camera.
     pub struct Equirectangular {
         /// Degrees of longitude from the left edge to the right one. Default: 360.
         horizontal_fov: f64, Domain::UpTo(360.0), default 360.0;

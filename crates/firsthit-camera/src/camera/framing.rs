@@ -1,11 +1,15 @@
 //! Places a camera so that a scene, given by its support function, fills the picture.
 //!
-//! A scene is inside a half-space if its support along the plane's normal is at most the plane's offset. For a perspective camera:
+//! A scene is inside a half-space if its support along the plane's normal is at most the plane's
+//! offset. For a perspective camera:
 //!
-//! 1. The left and the right plane of the view frustum, and likewise the upper and the lower one, make a wedge of known slope.
-//!    Two values of the support function say from which depth on the scene fits into a wedge.
-//! 2. The eye is put at the smaller of the two wedges' depths: there the scene touches both planes of one wedge.
-//! 3. The other wedge has room. The eye is centred in it by narrowing the wedge until it touches on both sides, by false position.
+//! 1. The left and the right plane of the view frustum, and likewise the upper and the lower one,
+//!    make a wedge of known slope. Two values of the support function say from which depth on the
+//!    scene fits into a wedge.
+//! 2. The eye is put at the smaller of the two wedges' depths: there the scene touches both planes
+//!    of one wedge.
+//! 3. The other wedge has room. The eye is centred in it by narrowing the wedge until it touches on
+//!    both sides, by false position.
 //!
 //! An orthographic viewplane is the scene's extent along the two axes of the picture.
 
@@ -42,8 +46,8 @@ impl Extent {
     }
 }
 
-/// Two planes through the eye that open to both sides by `slope` for each unit of depth, with the scene's support along their
-/// normals.
+/// Two planes through the eye that open to both sides by `slope` for each unit of depth, with the
+/// scene's support along their normals.
 struct Wedge {
     slope: f64,
     right: f64,
@@ -79,7 +83,8 @@ impl Wedge {
         0.5 * (self.right - self.left)
     }
 
-    /// The positions across at which the scene fits into the wedge of an eye at `depth`: the first and the last.
+    /// The positions across at which the scene fits into the wedge of an eye at `depth`: the first
+    /// and the last.
     fn range(&self, depth: f64) -> (f64, f64) {
         let opening = self.slope * depth;
         (self.right + opening, -self.left - opening)
@@ -87,7 +92,8 @@ impl Wedge {
 }
 
 impl Pose {
-    /// The eye from where the scene touches the margin at two opposite edges of a viewplane and is centred between the others.
+    /// The eye from where the scene touches the margin at two opposite edges of a viewplane and is
+    /// centred between the others.
     pub(super) fn perspective(
         &self,
         viewplane: &Viewplane,
@@ -108,8 +114,8 @@ impl Pose {
 
     /// The position across, for an eye at `depth`, at which the scene is centred.
     ///
-    /// Narrows the wedge of sight by false position until the scene touches both of its planes, and takes the middle.
-    /// Three steps leave less than a hundredth of half the picture.
+    /// Narrows the wedge of sight by false position until the scene touches both of its planes, and
+    /// takes the middle. Three steps leave less than a hundredth of half the picture.
     fn centred(
         &self,
         across: DVec3,
@@ -142,7 +148,8 @@ impl Pose {
         Ok(position.clamp(least, most))
     }
 
-    /// A viewplane of the same shape with the scene in its middle, and an eye well in front of the scene.
+    /// A viewplane of the same shape with the scene in its middle, and an eye well in front of the
+    /// scene.
     pub(super) fn orthographic(
         &self,
         viewplane: Viewplane,
@@ -164,7 +171,8 @@ impl Pose {
     }
 }
 
-/// The smallest size that a scene this far from the origin counts as: well above the rounding of its coordinates.
+/// The smallest size that a scene this far from the origin counts as: well above the rounding of
+/// its coordinates.
 pub(super) fn smallest(farthest: f64) -> f64 {
     1e-12 * farthest.max(1e-30)
 }

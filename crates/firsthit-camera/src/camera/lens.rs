@@ -20,13 +20,14 @@ use crate::simd::InstructionSet;
 
 /// The contract of every lens, for a camera of a pose and with `size` rows and columns of pixels.
 pub(super) trait Model {
-    /// Checks how its numbers, each in its domain, go together, and computes what depends on them alone.
+    /// Checks how its numbers, each in its domain, go together, and computes what depends on them
+    /// alone.
     fn prepare(&mut self, size: [usize; 2]) -> Result<()>;
-    /// The ray through a point of a pixel, its direction of length one; NaN where nothing is seen. `offset` runs from 0 to 1
-    /// rightwards and upwards.
+    /// The ray through a point of a pixel, its direction of length one; NaN where nothing is seen.
+    /// `offset` runs from 0 to 1 rightwards and upwards.
     fn ray(&self, pose: &Pose, size: [usize; 2], pixel: [usize; 2], offset: DVec2) -> Ray;
-    /// The directions of those of pixels of one row from one on, axis by axis: what [`ray`](Self::ray) gives, sooner than one by
-    /// one.
+    /// The directions of those of pixels of one row from one on, axis by axis: what
+    /// [`ray`](Self::ray) gives, sooner than one by one.
     fn directions(
         &self,
         _set: InstructionSet,
@@ -176,7 +177,8 @@ macro_rules! lenses {
 }
 
 lenses! {
-    /// A panorama: columns are degrees of longitude, rows degrees of latitude. All directions, unless the fields of view are smaller.
+    /// A panorama: columns are degrees of longitude, rows degrees of latitude. All directions,
+    /// unless the fields of view are smaller.
     "equirectangular" => Equirectangular(Equirectangular);
     /// A panorama: columns are degrees of longitude, rows are heights on a cylinder.
     "cylindrical" => Cylindrical(Cylindrical);
@@ -198,11 +200,13 @@ lenses! {
     "ucm" => Ucm(Calibrated<Ucm>);
     /// A calibrated fisheye or mirror: Mei's model, that of `cv2.omnidir`.
     "mei" => Mei(Calibrated<Mei>);
-    /// A calibrated wide-angle camera: Devernay and Faugeras's field-of-view model, which is COLMAP's FOV.
+    /// A calibrated wide-angle camera: Devernay and Faugeras's field-of-view model, which is
+    /// COLMAP's FOV.
     "fov" => Fov(Calibrated<Fov>);
     /// A calibrated fisheye with tangential and thin prism distortion, as COLMAP has it.
     "thin_prism_fisheye" => ThinPrismFisheye(Calibrated<ThinPrismFisheye>);
-    /// A calibrated fisheye of Project Aria: a polynomial, then tangential and thin prism distortion.
+    /// A calibrated fisheye of Project Aria: a polynomial, then tangential and thin prism
+    /// distortion.
     "rad_tan_thin_prism_fisheye" => RadTanThinPrismFisheye(Calibrated<RadTanThinPrismFisheye>);
     /// A fisheye: distances from the middle are angles.
     "equidistant" => Equidistant(Calibrated<Equidistant>);
@@ -215,7 +219,8 @@ lenses! {
 }
 
 impl Lens {
-    /// A lens by the name of its projection, and numbers by their names; those that are left out are what they are by default.
+    /// A lens by the name of its projection, and numbers by their names; those that are left out
+    /// are what they are by default.
     ///
     /// ```
     /// use firsthit::{Lens, Projection};
@@ -228,16 +233,16 @@ impl Lens {
     ///
     /// # Errors
     ///
-    /// [`Error::Argument`](crate::error::Error::Argument) for a name that no number of this projection has. The numbers are checked by
-    /// [`Camera::new`](super::Camera::new).
+    /// [`Error::Argument`](crate::error::Error::Argument) for a name that no number of this
+    /// projection has. The numbers are checked by [`Camera::new`](super::Camera::new).
     pub fn named(projection: Projection, parameters: &[(&str, f64)]) -> Result<Self> {
         let mut lens = projection.lens();
         parameters::set(lens.parameters_mut(), parameters)?;
         Ok(lens)
     }
 
-    /// A fisheye whose field of view, as a circle around the middle of the picture, touches its longer edges; or a panorama of that many
-    /// degrees across.
+    /// A fisheye whose field of view, as a circle around the middle of the picture, touches its
+    /// longer edges; or a panorama of that many degrees across.
     ///
     /// ```
     /// use firsthit::{Lens, Projection};
@@ -250,7 +255,8 @@ impl Lens {
     ///
     /// # Errors
     ///
-    /// [`Error::Argument`](crate::error::Error::Argument) for a projection that has no such angle, and an angle that it does not reach.
+    /// [`Error::Argument`](crate::error::Error::Argument) for a projection that has no such angle,
+    /// and an angle that it does not reach.
     pub fn with_fov(projection: Projection, fov: f64, rows: usize, columns: usize) -> Result<Self> {
         let size = [rows, columns];
         Ok(match projection {
@@ -277,13 +283,15 @@ impl Lens {
         })
     }
 
-    /// Refuses numbers that make no lens, and computes what depends on them and the picture's size alone.
+    /// Refuses numbers that make no lens, and computes what depends on them and the picture's size
+    /// alone.
     pub(super) fn prepare(&mut self, size: [usize; 2]) -> Result<()> {
         parameters::check(self.parameters_mut())?;
         self.model_mut().prepare(size)
     }
 
-    /// Whether it is a panorama, of the whole sphere or of a part of it. Cameras with one stand in the middle of a scene.
+    /// Whether it is a panorama, of the whole sphere or of a part of it. Cameras with one stand in
+    /// the middle of a scene.
     pub fn is_panorama(&self) -> bool {
         self.projection().is_panorama()
     }

@@ -4,17 +4,18 @@ use super::{Camera, Lens, PixelMatrix};
 use crate::geometry::{DAffine3, DMat3};
 
 impl Camera {
-    /// The pose: from the camera's coordinates (right, up, backwards, as in OpenGL and glTF) to the world's.
+    /// The pose: from the camera's coordinates (right, up, backwards, as in OpenGL and glTF) to the
+    /// world's.
     pub fn world_from_camera(&self) -> DAffine3 {
         let rotation = DMat3::from_cols(self.right(), self.upwards(), -self.aim());
         DAffine3::from_mat3_translation(rotation, self.position())
     }
 
-    /// The intrinsic matrix K, for camera coordinates (x right, y down, z forwards, as in OpenCV and
-    /// COLMAP): `K (x, y, z) / z` is `(u, v, 1)`, u columns from the picture's left edge and v rows from its
-    /// upper one. The centre of the first pixel is at (0.5, 0.5), as in COLMAP; for OpenCV, where it is at
-    /// (0, 0), subtract 0.5 from the last column. Where the lens distorts, K comes after that. `None` for parallel rays, tilted
-    /// viewplanes, and panoramas.
+    /// The intrinsic matrix K, for camera coordinates (x right, y down, z forwards, as in OpenCV
+    /// and COLMAP): `K (x, y, z) / z` is `(u, v, 1)`, u columns from the picture's left edge and v
+    /// rows from its upper one. The centre of the first pixel is at (0.5, 0.5), as in COLMAP; for
+    /// OpenCV, where it is at (0, 0), subtract 0.5 from the last column. Where the lens distorts, K
+    /// comes after that. `None` for parallel rays, tilted viewplanes, and panoramas.
     pub fn intrinsic_matrix(&self) -> Option<DMat3> {
         self.pixel_matrix().map(|matrix| matrix.matrix())
     }

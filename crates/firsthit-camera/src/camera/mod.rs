@@ -105,8 +105,8 @@ impl Default for View {
 
 /// A camera anywhere, aimed anywhere: it makes one ray for every pixel, or for any point of one.
 ///
-/// Its frame is right-handed: `right` (`u_x`), `upwards` (`u_y`), backwards (`-aim`). Row 0 is the top
-/// row, column 0 the left one, and pixel centres are at +1/2.
+/// Its frame is right-handed: `right` (`u_x`), `upwards` (`u_y`), backwards (`-aim`). Row 0 is the
+/// top row, column 0 the left one, and pixel centres are at +1/2.
 ///
 /// ```
 /// use firsthit::{Camera, DVec3};
@@ -129,18 +129,20 @@ impl Camera {
     ///
     /// # Errors
     ///
-    /// [`Error::Argument`] for an `aim` or `up` of length zero, an `up` parallel to `aim` to working
-    /// precision, a `focal_length`, `width` or `height` that is not positive, `rows` or `columns` below
-    /// one, and any NaN or infinity.
+    /// [`Error::Argument`] for an `aim` or `up` of length zero, an `up` parallel to `aim` to
+    /// working precision, a `focal_length`, `width` or `height` that is not positive, `rows` or
+    /// `columns` below one, and any NaN or infinity.
     pub fn new(view: View) -> Result<Self> {
         Self::aimed(view, unit)
     }
 
-    /// Rebuilds a camera from its [`view`](Self::view), bit for bit: the aim has length one already and is not normalised again.
+    /// Rebuilds a camera from its [`view`](Self::view), bit for bit: the aim has length one already
+    /// and is not normalised again.
     ///
     /// # Errors
     ///
-    /// [`Error::Argument`] for an `aim` that is not of length one, and all that [`Camera::new`] refuses.
+    /// [`Error::Argument`] for an `aim` that is not of length one, and all that [`Camera::new`]
+    /// refuses.
     pub fn from_view_exact(view: View) -> Result<Self> {
         let is_unit = (view.aim.length() - 1.0).abs() < 1e-12;
         require("aim", "of length one", is_unit, view.aim)?;
@@ -239,13 +241,13 @@ impl Camera {
         self.view.lens.model().project(self.size(), seen)
     }
 
-    /// The camera of a part of the picture: `rows` and `columns` are those of this camera. Its rays are this camera's, but for
-    /// rounding.
+    /// The camera of a part of the picture: `rows` and `columns` are those of this camera. Its rays
+    /// are this camera's, but for rounding.
     ///
     /// # Errors
     ///
-    /// [`Error::Argument`] for an empty part or one beyond the picture, and for a projection without an
-    /// intrinsic matrix, other than an orthographic one.
+    /// [`Error::Argument`] for an empty part or one beyond the picture, and for a projection
+    /// without an intrinsic matrix, other than an orthographic one.
     pub fn crop(&self, rows: Range<usize>, columns: Range<usize>) -> Result<Self> {
         let fits = |part: &Range<usize>, all| part.start < part.end && part.end <= all;
         let is_part = fits(&rows, self.rows()) && fits(&columns, self.columns());
@@ -260,7 +262,8 @@ impl Camera {
         Self::from_view_exact(View { rows: size[0], columns: size[1], lens, ..self.view })
     }
 
-    /// The camera of the same picture with other numbers of pixels, as by binning them. An intrinsic matrix follows.
+    /// The camera of the same picture with other numbers of pixels, as by binning them. An
+    /// intrinsic matrix follows.
     ///
     /// # Errors
     ///
@@ -291,8 +294,8 @@ impl Camera {
     ///
     /// # Errors
     ///
-    /// [`Error::Argument`] for a matrix that is no rigid motion to 1e-4, and for a position that is then
-    /// not finite.
+    /// [`Error::Argument`] for a matrix that is no rigid motion to 1e-4, and for a position that is
+    /// then not finite.
     pub fn moved(&self, world_from_body: &DAffine3) -> Result<Self> {
         let turn = &world_from_body.matrix3;
         convention::require_rotation(turn, || format!("{turn:?}"))?;
@@ -311,8 +314,8 @@ impl Camera {
     }
 
     /// The ray through the centre of the pixel in array row `row` (0 is the top) and `column`, its
-    /// direction of length one. There are [`Camera::rows`] rows and [`Camera::columns`] columns; what is
-    /// beyond them continues the viewplane.
+    /// direction of length one. There are [`Camera::rows`] rows and [`Camera::columns`] columns;
+    /// what is beyond them continues the viewplane.
     pub fn ray(&self, row: usize, column: usize) -> Ray {
         self.ray_within(row, column, PixelGrid::CENTRE)
     }
@@ -324,8 +327,9 @@ impl Camera {
         lens.ray(&self.pose, self.size(), [row, column], offset)
     }
 
-    /// Fills the slices with x, y and z of the directions of the rays through a point of the pixels of one row, from a column on:
-    /// what [`ray_within`](Self::ray_within) gives, sooner than one by one.
+    /// Fills the slices with x, y and z of the directions of the rays through a point of the pixels
+    /// of one row, from a column on: what [`ray_within`](Self::ray_within) gives, sooner than one
+    /// by one.
     pub fn directions_within(
         &self,
         row: usize,
@@ -339,8 +343,8 @@ impl Camera {
         lens.directions(set, &self.pose, self.size(), [row, column], offset, directions);
     }
 
-    /// Fills `rays` with those through a point of the pixels of one row, from a column on: what [`ray_within`](Self::ray_within)
-    /// gives, sooner than one by one.
+    /// Fills `rays` with those through a point of the pixels of one row, from a column on: what
+    /// [`ray_within`](Self::ray_within) gives, sooner than one by one.
     pub fn row_within(&self, row: usize, column: usize, offset: DVec2, rays: &mut [Ray]) {
         const AT_ONCE: usize = 64;
         if self.view.lens.viewplane().is_some() {
@@ -373,7 +377,8 @@ impl Camera {
         self.range_and_z([row, column], t)[0]
     }
 
-    /// The component along `aim` of (hit - `position`), for the hit at `t` on the pixel's ray; infinity for a miss.
+    /// The component along `aim` of (hit - `position`), for the hit at `t` on the pixel's ray;
+    /// infinity for a miss.
     pub fn z(&self, row: usize, column: usize, t: f64) -> f64 {
         self.range_and_z([row, column], t)[1]
     }

@@ -1,4 +1,5 @@
-//! The whole sphere on a square: an octahedron, unfolded. The middle of the picture is the aim, its corners are straight back.
+//! The whole sphere on a square: an octahedron, unfolded. The middle of the picture is the aim, its
+//! corners are straight back.
 //!
 //! Engelhardt and Dachsbacher, "Octahedron Environment Maps", VMV 2008.
 

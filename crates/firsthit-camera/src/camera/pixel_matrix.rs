@@ -5,10 +5,12 @@ use crate::error::Result;
 use crate::geometry::{DMat3, DVec2, DVec3, Domain, Settings, require, settings};
 
 settings! {
-    /// The intrinsic matrix: `u = fx x + skew y + cx`, `v = fy y + cy`, where x counts to the right and y downwards.
+    /// The intrinsic matrix: `u = fx x + skew y + cx`, `v = fy y + cy`, where x counts to the right
+    /// and y downwards.
     ///
-    /// Pixels are counted from the picture's upper left corner, so that the centre of the first one is at (0.5, 0.5), as in COLMAP.
-    /// For OpenCV, where it is at (0, 0), subtract 0.5 from `cx` and `cy`.
+    /// Pixels are counted from the picture's upper left corner, so that the centre of the first one
+    /// is at (0.5, 0.5), as in COLMAP. For OpenCV, where it is at (0, 0), subtract 0.5 from `cx`
+    /// and `cy`.
     ///
     /// ```
     /// use firsthit::DVec2;
@@ -44,12 +46,13 @@ impl PixelMatrix {
         DVec2::new(x, y)
     }
 
-    /// The lens of a projection with this matrix, and with other numbers by their names, for a picture of rows and columns.
+    /// The lens of a projection with this matrix, and with other numbers by their names, for a
+    /// picture of rows and columns.
     ///
     /// # Errors
     ///
-    /// [`Error::Argument`](crate::error::Error::Argument) for numbers that the projection has not, and for a matrix that no
-    /// viewplane has.
+    /// [`Error::Argument`](crate::error::Error::Argument) for numbers that the projection has not,
+    /// and for a matrix that no viewplane has.
     #[doc(hidden)]
     pub fn lens(
         &self,
@@ -78,8 +81,8 @@ impl PixelMatrix {
     ///
     /// # Errors
     ///
-    /// [`Error::Argument`](crate::error::Error::Argument) for a matrix that is not upper triangular with a last row of (0, 0, 1), and for
-    /// focal lengths that are not positive.
+    /// [`Error::Argument`](crate::error::Error::Argument) for a matrix that is not upper triangular
+    /// with a last row of (0, 0, 1), and for focal lengths that are not positive.
     pub fn from_matrix(k: DMat3) -> Result<Self> {
         let is_upper = k.x_axis.y == 0.0 && k.x_axis.z == 0.0 && k.y_axis.z == 0.0;
         let is_affine = is_upper && k.z_axis.z == 1.0;

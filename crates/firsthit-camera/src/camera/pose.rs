@@ -3,7 +3,8 @@
 use crate::error::Result;
 use crate::geometry::{DVec3, require, require_direction, require_finite, unit};
 
-/// A camera's frame in the world, right-handed: `right`, `upwards` and backwards (`-aim`), each of length one.
+/// A camera's frame in the world, right-handed: `right`, `upwards` and backwards (`-aim`), each of
+/// length one.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Pose {
     pub(super) position: DVec3,

@@ -18,8 +18,9 @@ pub(super) type Known<A, const N: usize> =
 
 /// A polynomial's value; coefficients begin with the constant.
 ///
-/// Even and odd powers in two sums that do not wait for each other (Estrin, "Organization of Computer Systems: the Fixed Plus Variable
-/// Structure Computer", Western Joint Computer Conference 1960, for the first step).
+/// Even and odd powers in two sums that do not wait for each other (Estrin, "Organization of
+/// Computer Systems: the Fixed Plus Variable Structure Computer", Western Joint Computer Conference
+/// 1960, for the first step).
 #[inline(always)]
 pub(super) fn polynomial<A: Arithmetic>(of: A, coefficients: &[f64], x: A::Number) -> A::Number {
     let square = of.mul(x, x);
@@ -51,8 +52,8 @@ pub(super) fn twice<A: Arithmetic>(of: A, x: A::Number) -> A::Number {
 
 /// Sine and cosine of an angle from -pi to pi, to about a unit in the last place.
 ///
-/// The angle is brought to pi / 4 by a multiple of pi / 2, whose first part has 33 bits, so that the product is exact; then Taylor's
-/// series, whose next terms are below half a unit.
+/// The angle is brought to pi / 4 by a multiple of pi / 2, whose first part has 33 bits, so that
+/// the product is exact; then Taylor's series, whose next terms are below half a unit.
 #[inline(always)]
 pub(super) fn sincos<A: Arithmetic>(of: A, angle: A::Number) -> Pair<A> {
     /// Adding it rounds to a whole number.
@@ -125,7 +126,8 @@ impl Default for Start {
 }
 
 impl Start {
-    /// Through the values of `f` at Chebyshev's points of the interval from 0 to `end`. Where `f` has no value, one.
+    /// Through the values of `f` at Chebyshev's points of the interval from 0 to `end`. Where `f`
+    /// has no value, one.
     pub(super) fn through(end: f64, f: impl Fn(f64) -> Option<f64>) -> Self {
         let is_sound = end > 0.0 && end.is_finite();
         if !is_sound {

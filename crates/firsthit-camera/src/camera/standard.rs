@@ -5,8 +5,9 @@ use crate::geometry::{DVec3, named, unit};
 named! {
     /// A standard view of a model, for any up direction.
     ///
-    /// The front faces -y if z is up, as in CAD and 3D printing, and +z if y is up, as in glTF and OBJ; in both, x points
-    /// to the right of the picture. Left and right are those of a viewer who faces the front.
+    /// The front faces -y if z is up, as in CAD and 3D printing, and +z if y is up, as in glTF and
+    /// OBJ; in both, x points to the right of the picture. Left and right are those of a viewer who
+    /// faces the front.
     pub enum StandardView, "view":
     /// Three quarters: the front, the right side and the top at once.
     #[default]
@@ -26,10 +27,11 @@ named! {
 }
 
 impl StandardView {
-    /// The aim and the up of a camera with this view, both of length one, in a world in which `up` is up. In views from above
-    /// and below, the camera's up is not the world's.
+    /// The aim and the up of a camera with this view, both of length one, in a world in which `up`
+    /// is up. In views from above and below, the camera's up is not the world's.
     ///
-    /// A zero or non-finite `up` is returned as it is, for [`Camera::new`](super::Camera::new) to refuse.
+    /// A zero or non-finite `up` is returned as it is, for [`Camera::new`](super::Camera::new) to
+    /// refuse.
     ///
     /// ```
     /// use firsthit::{DVec3, camera::StandardView};

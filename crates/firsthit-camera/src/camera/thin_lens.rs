@@ -1,9 +1,11 @@
 //! Cameras with an aperture: a thin lens that is in focus at one distance.
 //!
-//! Every point of the lens is the eye of a pinhole camera whose viewplane is shifted so that what is in focus stays where it is: a
-//! picture is the mean of those of many points (Potmesil and Chakravarty, "A Lens and Aperture Camera Model for Synthetic Image
-//! Generation", SIGGRAPH 1981; Haeberli and Akeley, "The Accumulation Buffer", SIGGRAPH 1990). So each sample is a grid of rays. Of a
-//! lens with distortion it is that of the undistorted image: a ray goes to where its pixel's, through the middle, is in focus.
+//! Every point of the lens is the eye of a pinhole camera whose viewplane is shifted so that what
+//! is in focus stays where it is: a picture is the mean of those of many points (Potmesil and
+//! Chakravarty, "A Lens and Aperture Camera Model for Synthetic Image Generation", SIGGRAPH 1981;
+//! Haeberli and Akeley, "The Accumulation Buffer", SIGGRAPH 1990). So each sample is a grid of
+//! rays. Of a lens with distortion it is that of the undistorted image: a ray goes to where its
+//! pixel's, through the middle, is in focus.
 
 use super::{Camera, Lens, Projection, View};
 use crate::error::{Error, Result};
@@ -16,8 +18,9 @@ impl Camera {
     /// focus| / (z * focus) * focal_length`. Lengths are in scene units; an aperture of 0 is a
     /// pinhole.
     ///
-    /// Only colours see it, and only with several samples: rays of a sample come from one point of the lens. The camera's own rays
-    /// and all other channels are those of the pinhole at `position`.
+    /// Only colours see it, and only with several samples: rays of a sample come from one point of
+    /// the lens. The camera's own rays and all other channels are those of the pinhole at
+    /// `position`.
     ///
     /// ```
     /// use firsthit::{Camera, DVec3, Object, Render, Scene, Sphere};
@@ -31,9 +34,9 @@ impl Camera {
     ///
     /// # Errors
     ///
-    /// [`Error::Argument`] for an aperture that is negative or not finite, a `focus` that is not positive, and a camera that may have no
-    /// aperture: one that is tilted, and all projections of which
-    /// [`has_thin_lens`](super::Projection::has_thin_lens) is false.
+    /// [`Error::Argument`] for an aperture that is negative or not finite, a `focus` that is not
+    /// positive, and a camera that may have no aperture: one that is tilted, and all projections of
+    /// which [`has_thin_lens`](super::Projection::has_thin_lens) is false.
     pub fn thin_lens(&self, aperture: f64, focus: f64) -> Result<Self> {
         let fine = focus > 0.0 && focus.is_finite();
         require("focus", "positive and finite", fine, focus)?;
@@ -58,8 +61,8 @@ impl Camera {
         (point - self.pose.position).dot(self.pose.aim)
     }
 
-    /// The pinhole camera at a point of the lens, in units of its radius: to the right and upwards. `None` where the camera is a
-    /// pinhole's.
+    /// The pinhole camera at a point of the lens, in units of its radius: to the right and upwards.
+    /// `None` where the camera is a pinhole's.
     pub fn through(&self, point: DVec2) -> Option<Self> {
         let aperture = self.view.lens.aperture();
         if aperture == 0.0 {
@@ -106,7 +109,8 @@ impl Projection {
     pub const NO_THIN_LENS: &str =
         "left out: only perspective cameras, opencv and fov have a thin lens";
 
-    /// Whether its cameras may have an aperture: all rays come through one point, less than a right angle off the aim.
+    /// Whether its cameras may have an aperture: all rays come through one point, less than a right
+    /// angle off the aim.
     ///
     /// ```
     /// use firsthit::Projection;
@@ -121,7 +125,8 @@ impl Projection {
 
 /// The numbers of a thin lens.
 pub const THIN_LENS: &[Setting; 2] = setting_list! {
-    /// The diameter of the lens: colours of several samples are sharp at focus, and blurred nearer and farther. Default: 0, a pinhole.
+    /// The diameter of the lens: colours of several samples are sharp at focus, and blurred nearer
+    /// and farther. Default: 0, a pinhole.
     aperture: Domain::NonNegative, default;
     /// The distance along the aim at which the picture is sharp.
     focus: Domain::NonNegative, default;

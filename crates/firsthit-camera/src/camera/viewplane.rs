@@ -1,4 +1,5 @@
-//! A flat viewplane: perspective where rays run through the camera's position, orthographic where they are parallel.
+//! A flat viewplane: perspective where rays run through the camera's position, orthographic where
+//! they are parallel.
 
 use super::lens::{Model, Projection, Reach};
 use super::parameters::Parameters;
@@ -10,8 +11,8 @@ use crate::geometry::{
     DMat3, DVec2, DVec3, Domain, PixelGrid, Ray, Setting, Settings, named, require, setting_list,
 };
 
-/// A flat viewplane in front of the camera. Lengths are in scene units. Unless rays start at the eye, what is nearer than the viewplane is not
-/// seen; `explain::before_viewplane` tells of what.
+/// A flat viewplane in front of the camera. Lengths are in scene units. Unless rays start at the
+/// eye, what is nearer than the viewplane is not seen; `explain::before_viewplane` tells of what.
 ///
 /// ```
 /// use firsthit::{Camera, DVec3, Lens, View, Viewplane};
@@ -43,8 +44,8 @@ pub struct Viewplane {
     pub tilt: DVec2,
     /// The shift of a column to the right for each unit upwards.
     pub skew: f64,
-    /// The diameter of the lens, for the colours of pictures with several samples; 0 is a pinhole. See
-    /// [`Camera::thin_lens`](super::Camera::thin_lens).
+    /// The diameter of the lens, for the colours of pictures with several samples; 0 is a pinhole.
+    /// See [`Camera::thin_lens`](super::Camera::thin_lens).
     pub aperture: f64,
     /// The distance along the aim from the camera to the plane in focus, which is parallel to the
     /// viewplane. 0 by default, as of a pinhole.
@@ -82,9 +83,11 @@ pub const VIEWPLANE: &[Setting; 8] = setting_list! {
     shift_x: Domain::Number, default;
     /// From where the aim meets the viewplane to its middle, upwards. Default: 0.
     shift_y: Domain::Number, default;
-    /// Degrees by which the viewplane is turned about its vertical, its right edge nearer. Default: 0.
+    /// Degrees by which the viewplane is turned about its vertical, its right edge nearer. Default:
+    /// 0.
     tilt_x: Domain::Between(-90.0, 90.0), default;
-    /// Degrees by which the viewplane is turned about its horizontal, its upper edge nearer. Default: 0.
+    /// Degrees by which the viewplane is turned about its horizontal, its upper edge nearer.
+    /// Default: 0.
     tilt_y: Domain::Between(-90.0, 90.0), default;
     /// How far to the right a column leans for each unit upwards. Default: 0.
     skew: Domain::Number, default;
@@ -157,7 +160,8 @@ struct Placed {
 }
 
 impl Viewplane {
-    /// The viewplane of a pinhole camera whose intrinsic matrix is known, at distance one. Rays start at the eye.
+    /// The viewplane of a pinhole camera whose intrinsic matrix is known, at distance one. Rays
+    /// start at the eye.
     ///
     /// ```
     /// use firsthit::camera::PixelMatrix;
@@ -173,7 +177,8 @@ impl Viewplane {
     ///
     /// # Errors
     ///
-    /// [`Error::Argument`](crate::error::Error::Argument) for focal lengths that are not positive, and numbers that are not finite.
+    /// [`Error::Argument`](crate::error::Error::Argument) for focal lengths that are not positive,
+    /// and numbers that are not finite.
     pub fn from_pixel_matrix(matrix: &PixelMatrix, rows: usize, columns: usize) -> Result<Self> {
         matrix.check()?;
         let PixelMatrix { fx, fy, cx, cy, skew } = *matrix;
@@ -204,11 +209,11 @@ impl Viewplane {
         require("aperture", expected, is_upright, aperture)
     }
 
-    /// The viewplane as it is from another point of the lens, so much to the right and upwards of the camera's position: what is in
-    /// focus is seen at the same places. It is a pinhole's.
+    /// The viewplane as it is from another point of the lens, so much to the right and upwards of
+    /// the camera's position: what is in focus is seen at the same places. It is a pinhole's.
     ///
-    /// Let the point at `s p` be in focus, where `p` is the viewplane's and `s` the same for all of them. From the point `l` of the
-    /// lens it is in the direction of `p - l / s`.
+    /// Let the point at `s p` be in focus, where `p` is the viewplane's and `s` the same for all of
+    /// them. From the point `l` of the lens it is in the direction of `p - l / s`.
     pub(super) fn seen_from(&self, point: DVec2) -> Self {
         Self {
             shift: self.shift - point * (self.focal_length / self.focus),
@@ -218,7 +223,8 @@ impl Viewplane {
         }
     }
 
-    /// Whether the aim meets its middle at a right angle, and its columns are at right angles to its rows.
+    /// Whether the aim meets its middle at a right angle, and its columns are at right angles to
+    /// its rows.
     pub(super) fn is_centred(&self) -> bool {
         (self.shift, self.tilt, self.skew) == (DVec2::ZERO, DVec2::ZERO, 0.0)
     }

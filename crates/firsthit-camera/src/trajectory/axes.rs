@@ -26,8 +26,9 @@ named! {
 }
 
 impl BodyAxes {
-    /// The rotation that takes the coordinates of firsthit's camera (right, up, backwards) to those of the body. Its numbers are
-    /// 0, 1 and 1/2, so it permutes and negates coordinates without rounding.
+    /// The rotation that takes the coordinates of firsthit's camera (right, up, backwards) to those
+    /// of the body. Its numbers are 0, 1 and 1/2, so it permutes and negates coordinates without
+    /// rounding.
     pub const fn body_from_camera(self) -> DQuat {
         match self {
             Self::RightUpBackwards => DQuat::IDENTITY,

@@ -14,15 +14,16 @@ named! {
     /// # Ok::<(), firsthit::Error>(())
     /// ```
     pub enum Interpolation, "interpolation":
-    /// Positions along straight lines, rotations by slerp: both at constant speed between two poses.
+    /// Positions along straight lines, rotations by slerp: both at constant speed between two
+    /// poses.
     #[default]
     "linear" => Linear;
-    /// Positions by the natural cubic spline, whose velocity and acceleration are continuous. Rotations by a cubic spline whose
-    /// angular velocity is continuous; about one fixed axis it is the natural spline of the angle. With two poses it is
-    /// `Linear`.
+    /// Positions by the natural cubic spline, whose velocity and acceleration are continuous.
+    /// Rotations by a cubic spline whose angular velocity is continuous; about one fixed axis it is
+    /// the natural spline of the angle. With two poses it is `Linear`.
     "spline" => Spline;
-    /// Screw motions: each turns and moves about one line at constant speed, the shortest way in SE(3). So moves a body that turns
-    /// and drives at constant rates.
+    /// Screw motions: each turns and moves about one line at constant speed, the shortest way in
+    /// SE(3). So moves a body that turns and drives at constant rates.
     "se3" => Se3;
 }
 

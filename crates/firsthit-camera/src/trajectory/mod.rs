@@ -1,7 +1,7 @@
 //! Poses over time: where a moving body is, also between the times at which its pose is given.
 //!
-//! A [`Trajectory`] is a list of times and poses, and a way to go from one to the next. Times are seconds, positions
-//! scene units. It is read from text ([`TrajectoryFormat`]) and written as text.
+//! A [`Trajectory`] is a list of times and poses, and a way to go from one to the next. Times are
+//! seconds, positions scene units. It is read from text ([`TrajectoryFormat`]) and written as text.
 //!
 //! ```
 //! use std::path::Path;
@@ -68,19 +68,22 @@ pub struct Trajectory {
 summary!(Trajectory, "Trajectory", |it| "poses": Count(it.poses.len(), "poses"), "start": it.start(), "end": it.end(),
     "interpolation": it.interpolation, "extrapolation": it.extrapolation);
 
-/// The largest rates of a spline, times the duration of a stretch: lengths and angles whose sums and squares are finite.
+/// The largest rates of a spline, times the duration of a stretch: lengths and angles whose sums
+/// and squares are finite.
 const LARGEST_RATES: [f64; 2] = [1e250, 1e100];
 
 impl Trajectory {
-    /// The trajectory through `poses`, the body being at `poses[k]` at `times[k]` seconds. It is linear between them and refuses
-    /// other times.
+    /// The trajectory through `poses`, the body being at `poses[k]` at `times[k]` seconds. It is
+    /// linear between them and refuses other times.
     ///
-    /// Rotations are brought to length one, and to the sign that is nearer to the one before: both signs are the same rotation.
+    /// Rotations are brought to length one, and to the sign that is nearer to the one before: both
+    /// signs are the same rotation.
     ///
     /// # Errors
     ///
-    /// [`Error::Argument`], with the index from 0, for times that are not finite, are beyond 10^150 or do not increase, and for
-    /// what [`Pose::new`] refuses; also for no poses and for another number of times than of poses.
+    /// [`Error::Argument`], with the index from 0, for times that are not finite, are beyond 10^150
+    /// or do not increase, and for what [`Pose::new`] refuses; also for no poses and for another
+    /// number of times than of poses.
     pub fn new(times: Vec<f64>, mut poses: Vec<Pose>) -> Result<Self> {
         require("poses", "at least one", !poses.is_empty(), poses.len())?;
         if times.len() != poses.len() {
@@ -115,8 +118,8 @@ impl Trajectory {
     ///
     /// # Errors
     ///
-    /// For a spline, [`Error::Argument`] where poses are so far apart in so little time that its rates leave float64, and
-    /// [`Error::Limit`] when memory is short.
+    /// For a spline, [`Error::Argument`] where poses are so far apart in so little time that its
+    /// rates leave float64, and [`Error::Limit`] when memory is short.
     pub fn interpolated(mut self, interpolation: Interpolation) -> Result<Self> {
         self.interpolation = interpolation;
         self.rates = Vec::new();
@@ -195,8 +198,8 @@ impl Trajectory {
     ///
     /// # Errors
     ///
-    /// [`Error::Argument`] for a time that is no number, and for one before the first or after the last pose unless the trajectory
-    /// [holds](Extrapolation::Hold) those.
+    /// [`Error::Argument`] for a time that is no number, and for one before the first or after the
+    /// last pose unless the trajectory [holds](Extrapolation::Hold) those.
     pub fn at(&self, time: f64) -> Result<Pose> {
         let (start, end) = (self.start(), self.end());
         let is_inside = start <= time && time <= end;
@@ -234,8 +237,8 @@ impl Trajectory {
             Interpolation::Se3 => screw::screw(s, whole, turn),
             Interpolation::Linear | Interpolation::Spline => s * whole,
         };
-        // Slerp (Shoemake, "Animating Rotation with Quaternion Curves", SIGGRAPH 1985) by the rotation vector, which does not
-        // divide by the sine of the angle.
+        // Slerp (Shoemake, "Animating Rotation with Quaternion Curves", SIGGRAPH 1985) by the
+        // rotation vector, which does not divide by the sine of the angle.
         let rotation = exp(s * turn) * from.rotation;
         Pose { position: from.position + moved, rotation: rotation / rotation.length() }
     }

@@ -11,7 +11,8 @@ pub(super) const FARTHEST: f64 = 1e150;
 /// The position and orientation of a body in the world: a rigid motion that takes the body's
 /// coordinates to the world's.
 ///
-/// The body's axes are whatever its maker says; see [`BodyAxes`]. `rotation` and its negative are the same rotation.
+/// The body's axes are whatever its maker says; see [`BodyAxes`]. `rotation` and its negative are
+/// the same rotation.
 ///
 /// ```
 /// use firsthit::{DQuat, DVec3, Pose};
@@ -39,8 +40,8 @@ impl Pose {
     ///
     /// # Errors
     ///
-    /// [`Error::Argument`](crate::error::Error::Argument) for coordinates that are not finite or beyond 10^150, and for a quaternion
-    /// whose length is further from one than 0.001.
+    /// [`Error::Argument`](crate::error::Error::Argument) for coordinates that are not finite or
+    /// beyond 10^150, and for a quaternion whose length is further from one than 0.001.
     pub fn new(position: DVec3, rotation: DQuat) -> Result<Self> {
         let expected = "finite, within 1e150";
         require("position", expected, is_in_range(position), position)?;
@@ -51,12 +52,13 @@ impl Pose {
         Ok(Self { position, rotation })
     }
 
-    /// The pose of a matrix that takes the body's coordinates to the world's. The rotation that is nearest to it is taken.
+    /// The pose of a matrix that takes the body's coordinates to the world's. The rotation that is
+    /// nearest to it is taken.
     ///
     /// # Errors
     ///
-    /// [`Error::Argument`](crate::error::Error::Argument) for a matrix that is no rigid motion within 0.0001, and for coordinates that
-    /// are not finite or beyond 10^150.
+    /// [`Error::Argument`](crate::error::Error::Argument) for a matrix that is no rigid motion
+    /// within 0.0001, and for coordinates that are not finite or beyond 10^150.
     pub fn from_matrix(world_from_body: &DAffine3) -> Result<Self> {
         let rotation = nearest_rotation(world_from_body.matrix3);
         let rotation = rotation.map_err(|what| {
@@ -77,7 +79,8 @@ impl Pose {
         Self { position, rotation }
     }
 
-    /// The pose in the world of what stands at `next` in this body's coordinates: `world_from_body * body_from_next`.
+    /// The pose in the world of what stands at `next` in this body's coordinates:
+    /// `world_from_body * body_from_next`.
     pub fn then(&self, next: &Self) -> Self {
         let rotation = self.rotation * next.rotation;
         Self {
@@ -87,8 +90,8 @@ impl Pose {
         }
     }
 
-    /// The pose of a camera that looks along the body's forward axis: the same place, with firsthit's camera axes (right, up,
-    /// backwards). `axes` says what the body's are.
+    /// The pose of a camera that looks along the body's forward axis: the same place, with
+    /// firsthit's camera axes (right, up, backwards). `axes` says what the body's are.
     ///
     /// ```
     /// use firsthit::trajectory::BodyAxes;

@@ -4,7 +4,8 @@ use crate::geometry::{DMat3, DQuat, DVec3};
 
 /// `q` at length one. `None` where its length is further from one than 0.001, or no number.
 ///
-/// What float64 can hardly hold better stays as it is, so that a rotation that is written and read again has the same bits.
+/// What float64 can hardly hold better stays as it is, so that a rotation that is written and read
+/// again has the same bits.
 pub(super) fn unit_rotation(q: DQuat) -> Option<DQuat> {
     // Four roundings of the components and four of the sum, each by half an epsilon of the square.
     const ROUNDING: f64 = 8.0 * f64::EPSILON;
@@ -35,9 +36,9 @@ pub(super) fn nearest_rotation(matrix: DMat3) -> Result<DQuat, String> {
     if matrix.determinant() < 0.0 {
         return Err("the matrix is not a rotation: it mirrors".to_owned());
     }
-    // The polar decomposition by Newton's iteration (Higham, "Computing the Polar Decomposition - with Applications", SIAM
-    // Journal on Scientific and Statistical Computing 7(4), 1986). Each step squares what it is off: three are enough from 1e-4
-    // on.
+    // The polar decomposition by Newton's iteration (Higham, "Computing the Polar Decomposition -
+    // with Applications", SIAM Journal on Scientific and Statistical Computing 7(4), 1986). Each
+    // step squares what it is off: three are enough from 1e-4 on.
     let mut nearest = matrix;
     for _ in 0..3 {
         nearest = 0.5 * (nearest + nearest.inverse().transpose());
@@ -48,8 +49,9 @@ pub(super) fn nearest_rotation(matrix: DMat3) -> Result<DQuat, String> {
 
 /// The rotation vector of a unit quaternion, the short way: its length is at most pi.
 ///
-/// The angle comes from sine and cosine together, so that neither small angles nor those near pi lose digits. Nothing cancels for
-/// small angles: the factor is `angle / sine`, and both go to zero as one.
+/// The angle comes from sine and cosine together, so that neither small angles nor those near pi
+/// lose digits. Nothing cancels for small angles: the factor is `angle / sine`, and both go to zero
+/// as one.
 pub(super) fn log(q: DQuat) -> DVec3 {
     let q = if q.w < 0.0 { -q } else { q };
     let sine = q.xyz().length();

@@ -5,10 +5,11 @@ use crate::geometry::DVec3;
 /// The displacement of a point at the share `s` of a screw motion that moves it by `whole` and
 /// turns by the rotation vector `turn`, both in world axes.
 ///
-/// The motion is `exp(s log(T))`, the geodesic of SE(3): at constant speed about and along one line (Chasles' theorem; Murray,
-/// Li and Sastry, "A Mathematical Introduction to Robotic Manipulation", 1994, chapter 2). Across that line the point goes
-/// round a circle. There, with complex numbers for the plane, `(e^(i s angle) - 1) / (e^(i angle) - 1)` of the way is done.
-/// Written as sines of half angles, as here, nothing cancels for small angles, and nothing grows for angles near pi.
+/// The motion is `exp(s log(T))`, the geodesic of SE(3): at constant speed about and along one line
+/// (Chasles' theorem; Murray, Li and Sastry, "A Mathematical Introduction to Robotic Manipulation",
+/// 1994, chapter 2). Across that line the point goes round a circle. There, with complex numbers
+/// for the plane, `(e^(i s angle) - 1) / (e^(i angle) - 1)` of the way is done. Written as sines of
+/// half angles, as here, nothing cancels for small angles, and nothing grows for angles near pi.
 pub(super) fn screw(s: f64, whole: DVec3, turn: DVec3) -> DVec3 {
     let angle = turn.length();
     if angle == 0.0 {

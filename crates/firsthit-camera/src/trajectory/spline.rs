@@ -1,19 +1,21 @@
 //! Cubic splines through points and through rotations, at times that need not be regular.
 //!
-//! Both are made from their rates at the knots: velocities, and angular velocities in the body's axes. The rates are those of the
-//! natural cubic spline, which bends least and whose second derivative is zero at its ends (de Boor, "A Practical Guide to
-//! Splines", 2001, chapter IV).
+//! Both are made from their rates at the knots: velocities, and angular velocities in the body's
+//! axes. The rates are those of the natural cubic spline, which bends least and whose second
+//! derivative is zero at its ends (de Boor, "A Practical Guide to Splines", 2001, chapter IV).
 
 use super::rotation::{exp, log};
 use crate::error::Result;
 use crate::geometry::{DQuat, DVec3};
 use crate::memory;
 
-/// The rates at the knots of the natural cubic spline whose mean rates between the knots are `means`, one less than `times`.
+/// The rates at the knots of the natural cubic spline whose mean rates between the knots are
+/// `means`, one less than `times`.
 ///
-/// At each inner knot the second derivatives of both sides are equal, which with shares of `a`, `b` of the stretches after and
-/// before it says `a * before + 2 * here + b * after = 3 * (a * mean_before + b * mean_after)`. The system is diagonally
-/// dominant, so that Gaussian elimination without pivots is stable (Thomas' algorithm).
+/// At each inner knot the second derivatives of both sides are equal, which with shares of `a`, `b`
+/// of the stretches after and before it says `a * before + 2 * here + b * after = 3 * (a *
+/// mean_before + b * mean_after)`. The system is diagonally dominant, so that Gaussian elimination
+/// without pivots is stable (Thomas' algorithm).
 pub(super) fn natural_rates(times: &[f64], means: &[DVec3]) -> Result<Vec<DVec3>> {
     let mut rates: Vec<DVec3> = memory::filled(times.len(), DVec3::ZERO)?;
     let mut above: Vec<f64> = memory::filled(times.len(), 0.0)?;
@@ -51,12 +53,12 @@ pub(super) fn cubic(s: f64, whole: DVec3, ends: [DVec3; 2]) -> DVec3 {
     s * (first + s * (squared + s * cubed))
 }
 
-/// The rotation at the share `s` of the way between two. `ends` are the angular velocities at its ends, in the body's axes,
-/// times its duration.
+/// The rotation at the share `s` of the way between two. `ends` are the angular velocities at its
+/// ends, in the body's axes, times its duration.
 ///
-/// It is the cumulative cubic Bezier curve of Kim, Kim and Shin, "A General Construction Scheme for Unit Quaternion Curves with
-/// Simple High Order Derivatives", SIGGRAPH 1995, section 4.2: three turns one after the other, the first and the last of them
-/// by a third of the rates at the ends.
+/// It is the cumulative cubic Bezier curve of Kim, Kim and Shin, "A General Construction Scheme for
+/// Unit Quaternion Curves with Simple High Order Derivatives", SIGGRAPH 1995, section 4.2: three
+/// turns one after the other, the first and the last of them by a third of the rates at the ends.
 pub(super) fn cubic_turn(s: f64, [from, to]: [DQuat; 2], ends: [DVec3; 2]) -> DQuat {
     let [first, last] = ends.map(|rate| rate / 3.0);
     let middle = log(exp(-first) * (from.conjugate() * to) * exp(-last));
@@ -70,8 +72,8 @@ pub(super) fn cubic_turn(s: f64, [from, to]: [DQuat; 2], ends: [DVec3; 2]) -> DQ
 mod tests {
     use super::*;
 
-    /// The natural cubic spline through three values, from its second derivative at the middle, which alone is not zero:
-    /// `2 (h + k) m = 6 (mean rate after - mean rate before)`.
+    /// The natural cubic spline through three values, from its second derivative at the middle,
+    /// which alone is not zero: `2 (h + k) m = 6 (mean rate after - mean rate before)`.
     fn through_three(times: [f64; 3], values: [f64; 3], time: f64) -> f64 {
         let [h, k] = [times[1] - times[0], times[2] - times[1]];
         let bend = 3.0 * ((values[2] - values[1]) / k - (values[1] - values[0]) / h) / (h + k);
@@ -117,7 +119,8 @@ mod tests {
         let ends = [DVec3::new(0.5, 0.2, -0.7), DVec3::new(-1.0, 0.4, 0.3)];
         let at = |s| cubic_turn(s, [from, to], ends);
         let step = 1e-6;
-        // The error of a one-sided difference is half of the second derivative, here below 20, times the step.
+        // The error of a one-sided difference is half of the second derivative, here below 20,
+        // times the step.
         let bound = 20.0 * step;
         let first = log(at(0.0).conjugate() * at(step)) / step;
         let last = log(at(1.0 - step).conjugate() * at(1.0)) / step;

@@ -135,7 +135,8 @@ fn splines_reproduce_straight_lines_and_steady_turns() {
     }
 }
 
-/// About one axis the rotations are those of the spline of their angles, so each is a judge of the other.
+/// About one axis the rotations are those of the spline of their angles, so each is a judge of the
+/// other.
 #[test]
 fn splines_turn_about_one_axis_as_they_move_along_one() {
     let angles = [0.0, 1.0, 0.5, 2.0, 3.5, 3.0];
@@ -163,8 +164,9 @@ fn around(trajectory: &Trajectory, time: f64, step: f64) -> [DVec3; 4] {
 
 #[test]
 fn splines_have_a_continuous_acceleration_and_angular_velocity() {
-    // Differences are off by the next derivative times the step, and by roundings over its square. The third derivative of the
-    // positions is below 3e3 and the angular acceleration below 3e2; both jump at the knots.
+    // Differences are off by the next derivative times the step, and by roundings over its square.
+    // The third derivative of the positions is below 3e3 and the angular acceleration below 3e2;
+    // both jump at the knots.
     let step = 1e-5;
     let bounds = [3e3 * 2.0 * step + 1e-14 / (step * step), 3e2 * step];
     let spline = wild().interpolated(Interpolation::Spline).unwrap();

@@ -5,7 +5,8 @@ use std::io::{self, Write};
 use super::Trajectory;
 
 impl Trajectory {
-    /// Writes the poses as TUM's RGB-D benchmark does: a line `timestamp tx ty tz qx qy qz qw` for each, in seconds.
+    /// Writes the poses as TUM's RGB-D benchmark does: a line `timestamp tx ty tz qx qy qz qw` for
+    /// each, in seconds.
     ///
     /// # Errors
     ///

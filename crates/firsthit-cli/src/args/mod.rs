@@ -28,7 +28,13 @@ use crate::help;
 
 /// The general raycaster: what does this ray meet first?
 #[derive(Debug, Parser)]
-#[command(name = "firsthit", version, propagate_version = true, max_term_width = 100, after_help = help::EXAMPLES)]
+#[command(
+    name = "firsthit",
+    version,
+    propagate_version = true,
+    max_term_width = 100,
+    after_help = help::EXAMPLES,
+)]
 pub(crate) struct Cli {
     #[command(subcommand)]
     pub(crate) command: Command,
@@ -68,7 +74,8 @@ pub(crate) enum Command {
     Section(SectionArgs),
     /// Find what may be wrong with a 3D file: holes, flipped faces, self-intersections and more.
     Lint(LintArgs),
-    /// Scan a 3D file with a laser scanner: points, ranges, rings, times and more of all returns, as a point cloud.
+    /// Scan a 3D file with a laser scanner: points, ranges, rings, times and more of all returns,
+    /// as a point cloud.
     Scan(Box<ScanArgs>),
     /// Make the frames and annotations of a plan: scenes, sensors and poses (Python package).
     #[command(after_help = help::DATASET_EXAMPLES)]
@@ -76,7 +83,8 @@ pub(crate) enum Command {
     /// Tell which parts of a job are there, and which are missing (Python package).
     #[command(after_help = help::PARTS_EXAMPLES)]
     Parts(InPythonArgs),
-    /// Pack the parts of a job, or the frames of a data set, into tar files for training (Python package).
+    /// Pack the parts of a job, or the frames of a data set, into tar files for training (Python
+    /// package).
     #[command(after_help = help::PACK_EXAMPLES)]
     Pack(InPythonArgs),
     /// Render the embedded example scene.

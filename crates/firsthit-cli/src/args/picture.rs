@@ -30,8 +30,8 @@ pub(crate) struct RenderArgs {
     pub(crate) colors: ColorsArgs,
     #[command(flatten)]
     pub(crate) edges: EdgeArgs,
-    /// The side of surfaces that the camera's rays pass through: with back, into a room through its walls. The front is where the
-    /// normal points. Shadows are cast all the same
+    /// The side of surfaces that the camera's rays pass through: with back, into a room through its
+    /// walls. The front is where the normal points. Shadows are cast all the same
     #[arg(long, value_name = "SIDE")]
     pub(crate) cull: Option<CulledSide>,
     #[command(flatten)]
@@ -47,34 +47,48 @@ pub(crate) struct RenderArgs {
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Output")]
 pub(crate) struct PictureArgs {
-    /// Where to write: .png (one channel), .npy (one), .exr or .npz (all), .ply or .pcd (a point cloud); may be given
-    /// several times. {channel} in the name makes a file of each channel [default: what a scene file asks for, else the
-    /// file's name with .png]
+    /// Where to write: .png (one channel), .npy (one), .exr or .npz (all), .ply or .pcd (a point
+    /// cloud); may be given several times. {channel} in the name makes a file of each channel
+    /// [default: what a scene file asks for, else the file's name with .png]
     #[arg(short, long, value_name = "FILE")]
     pub(crate) output: Vec<PathBuf>,
-    /// The channels to compute, with commas between: color, t, range, z (or depth), object, primitive, face,
-    /// node, mesh, material, normal, incidence, position, barycentric, uv, base_color, front, valid (whether the lens sees
-    /// anything), edge, alpha, ao[:LENGTH] (ambient occlusion, of what is up to LENGTH away), samples, crypto_object, crypto_material,
-    /// and attribute:NAME for an attribute of the meshes [default: color; for .ply and .pcd position, normal, color, object]
-    #[arg(long, value_name = "NAMES", value_delimiter = ',', value_parser = ChannelNames(ChannelSource::Camera), hide_possible_values = true)]
+    /// The channels to compute, with commas between: color, t, range, z (or depth), object,
+    /// primitive, face, node, mesh, material, normal, incidence, position, barycentric, uv,
+    /// base_color, front, valid (whether the lens sees anything), edge, alpha, ao[:LENGTH] (ambient
+    /// occlusion, of what is up to LENGTH away), samples, crypto_object, crypto_material, and
+    /// attribute:NAME for an attribute of the meshes [default: color; for .ply and .pcd position,
+    /// normal, color, object]
+    #[arg(
+        long,
+        value_name = "NAMES",
+        value_delimiter = ',',
+        value_parser = ChannelNames(ChannelSource::Camera),
+        hide_possible_values = true,
+    )]
     pub(crate) channels: Vec<String>,
-    /// Write a table that explains a picture of the channel object: the number of each object, its name, its colour in the
-    /// picture (sRGB) and its count of pixels, as .csv or .json
+    /// Write a table that explains a picture of the channel object: the number of each object, its
+    /// name, its colour in the picture (sRGB) and its count of pixels, as .csv or .json
     #[arg(long, value_name = "FILE")]
     pub(crate) legend: Option<PathBuf>,
     #[command(flatten)]
     pub(crate) files: FileArgs,
-    /// Antialiasing: the colour is the mean of this many points of a pixel. They are the first ones of a fixed
-    /// low-discrepancy sequence; 1 is the pixel's centre [default: the file's, else 256 with --noise, else 16 where the shader draws
-    /// random numbers or there is a ground, else 4]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=65_536), allow_hyphen_values = true)]
+    /// Antialiasing: the colour is the mean of this many points of a pixel. They are the first ones
+    /// of a fixed low-discrepancy sequence; 1 is the pixel's centre [default: the file's, else 256
+    /// with --noise, else 16 where the shader draws random numbers or there is a ground, else 4]
+    #[arg(
+        long,
+        value_name = "N",
+        value_parser = clap::value_parser!(u32).range(1..=65_536),
+        allow_hyphen_values = true,
+    )]
     pub(crate) samples: Option<u32>,
-    /// Stop sampling where the standard error of a pixel's brightness (as sRGB shows it, 1 is white) is below LEVEL. First checked
-    /// after 32 samples. 0.005 is about a level of 255 [default: all samples everywhere]
+    /// Stop sampling where the standard error of a pixel's brightness (as sRGB shows it, 1 is
+    /// white) is below LEVEL. First checked after 32 samples. 0.005 is about a level of 255
+    /// [default: all samples everywhere]
     #[arg(long, value_name = "LEVEL", value_parser = values::positive, allow_hyphen_values = true)]
     pub(crate) noise: Option<f64>,
-    /// Save the state of the picture to FILE (.npz), and continue from it if it exists. Several runs give the same bytes as one run.
-    /// Ctrl-C saves it too
+    /// Save the state of the picture to FILE (.npz), and continue from it if it exists. Several
+    /// runs give the same bytes as one run. Ctrl-C saves it too
     #[arg(long, value_name = "FILE")]
     pub(crate) resume: Option<PathBuf>,
     #[command(flatten)]
@@ -84,21 +98,31 @@ pub(crate) struct PictureArgs {
 /// Options for the storage of numbers.
 #[derive(Debug, Args)]
 pub(crate) struct FileArgs {
-    /// Write distances (t, range, z) to .png as 16 bit numbers, which count steps of LENGTH scene units; 0 is a
-    /// miss. Otherwise a PNG of distances is in false colours, to look at
+    /// Write distances (t, range, z) to .png as 16 bit numbers, which count steps of LENGTH scene
+    /// units; 0 is a miss. Otherwise a PNG of distances is in false colours, to look at
     #[arg(long, value_name = "LENGTH", value_parser = values::positive, allow_hyphen_values = true)]
     pub(crate) png_scale: Option<f64>,
-    /// The number for distances beyond 65535 steps of --png-scale: saturate makes them 65535, zero makes them 0, as a miss [default:
-    /// they are an error]
-    #[arg(long, value_name = "HOW", value_parser = values::named::<Far>(Far::NAMES), requires = "png_scale")]
+    /// The number for distances beyond 65535 steps of --png-scale: saturate makes them 65535, zero
+    /// makes them 0, as a miss [default: they are an error]
+    #[arg(
+        long,
+        value_name = "HOW",
+        value_parser = values::named::<Far>(Far::NAMES),
+        requires = "png_scale",
+    )]
     pub(crate) far: Option<Far>,
-    /// Write identifiers (object, primitive, face, node, mesh, material) to .png as 16 bit numbers, each plus one; 0 is a miss.
-    /// Otherwise a PNG of identifiers is in false colours
+    /// Write identifiers (object, primitive, face, node, mesh, material) to .png as 16 bit numbers,
+    /// each plus one; 0 is a miss. Otherwise a PNG of identifiers is in false colours
     #[arg(long)]
     pub(crate) png_labels: bool,
-    /// The type of distances, positions and other numbers that are computed as float64, in all files: the nearest float32 halves
-    /// a .npz [default: float64]
-    #[arg(long, value_name = "TYPE", value_parser = ["float32", "float64"], hide_possible_values = true)]
+    /// The type of distances, positions and other numbers that are computed as float64, in all
+    /// files: the nearest float32 halves a .npz [default: float64]
+    #[arg(
+        long,
+        value_name = "TYPE",
+        value_parser = ["float32", "float64"],
+        hide_possible_values = true,
+    )]
     pub(crate) dtype: Option<String>,
     /// Pack .npz files, by deflate; np.load reads them as all others
     #[arg(long)]
@@ -120,8 +144,8 @@ pub(crate) struct DisplayArgs {
     /// file's]
     #[arg(long, value_name = "STOPS", value_parser = values::finite, allow_hyphen_values = true)]
     pub(crate) exposure: Option<f64>,
-    /// Bring bright colours into a .png, after --exposure: none shows what is above 1 as 1, neutral is Khronos PBR Neutral
-    /// [default: none, or the file's]
+    /// Bring bright colours into a .png, after --exposure: none shows what is above 1 as 1, neutral
+    /// is Khronos PBR Neutral [default: none, or the file's]
     #[arg(long, value_name = "NAME", value_parser = values::named::<ToneMap>(ToneMap::NAMES))]
     pub(crate) tone_map: Option<ToneMap>,
 }
@@ -130,10 +154,17 @@ pub(crate) struct DisplayArgs {
 #[command(after_help = help::DEMO_EXAMPLES)]
 pub(crate) struct DemoArgs {
     /// Columns and rows of pixels
-    #[arg(long, value_name = "COLUMNSxROWS", value_parser = values::pixels, default_value = "1024x640", allow_hyphen_values = true)]
+    #[arg(
+        long,
+        value_name = "COLUMNSxROWS",
+        value_parser = values::pixels,
+        default_value = "1024x640",
+        allow_hyphen_values = true,
+    )]
     pub(crate) size: [usize; 2],
-    /// Where to write: .png (one channel), .npy (one), .exr or .npz (all), .ply or .pcd (a point cloud); may be given
-    /// several times. {channel} in the name makes a file of each channel [default: demo.png]
+    /// Where to write: .png (one channel), .npy (one), .exr or .npz (all), .ply or .pcd (a point
+    /// cloud); may be given several times. {channel} in the name makes a file of each channel
+    /// [default: demo.png]
     #[arg(short, long, value_name = "FILE")]
     pub(crate) output: Vec<PathBuf>,
     /// The channels to compute, with commas between; see firsthit render --help [default: color]
@@ -148,7 +179,12 @@ pub(crate) struct DemoArgs {
     #[command(flatten)]
     pub(crate) files: FileArgs,
     /// Antialiasing: the colour is the mean of this many points of a pixel [default: 16]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=65_536), allow_hyphen_values = true)]
+    #[arg(
+        long,
+        value_name = "N",
+        value_parser = clap::value_parser!(u32).range(1..=65_536),
+        allow_hyphen_values = true,
+    )]
     pub(crate) samples: Option<u32>,
     #[command(flatten)]
     pub(crate) display: DisplayArgs,

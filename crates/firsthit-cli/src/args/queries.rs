@@ -18,24 +18,32 @@ use crate::values;
 pub(crate) struct ShootArgs {
     /// The 3D file: glTF, GLB, OBJ, PLY, STL, OFF or FHS, or a scene file (TOML)
     pub(crate) file: PathBuf,
-    /// The rays, or only their origins: .npy, .npz or .csv, or - for standard input. From CSV on standard input to CSV on
-    /// standard output, lines are answered as they arrive. With --from points in any format that firsthit nearest takes
+    /// The rays, or only their origins: .npy, .npz or .csv, or - for standard input. From CSV on
+    /// standard input to CSV on standard output, lines are answered as they arrive. With --from
+    /// points in any format that firsthit nearest takes
     pub(crate) rays: PathBuf,
     /// The directions of the rays, if RAYS has only their origins
     pub(crate) directions: Option<PathBuf>,
     /// Where a sensor is: a ray goes from there to each point of RAYS, where its t is 1
-    #[arg(long, value_name = "X,Y,Z", value_parser = values::vector, allow_hyphen_values = true, conflicts_with = "directions")]
+    #[arg(
+        long,
+        value_name = "X,Y,Z",
+        value_parser = values::vector,
+        allow_hyphen_values = true,
+        conflicts_with = "directions",
+    )]
     pub(crate) from: Option<DVec3>,
-    /// Where to write: .npz, .npy (one channel), .csv, .ply or .pcd (a point cloud of what was hit), - for standard
-    /// output; may be given several times [default: - as CSV]
+    /// Where to write: .npz, .npy (one channel), .csv, .ply or .pcd (a point cloud of what was
+    /// hit), - for standard output; may be given several times [default: - as CSV]
     #[arg(short, long, value_name = "FILE")]
     pub(crate) output: Vec<PathBuf>,
     /// The format on standard output [default: csv]
     #[arg(long, value_name = "FORMAT")]
     pub(crate) format: Option<StreamFormat>,
-    /// The channels to compute, with commas between: t, object, primitive, face, node, mesh, material, normal,
-    /// incidence, position, barycentric, uv, base_color, front, valid, and attribute:NAME for an attribute of the meshes [default:
-    /// t,object,primitive; for .ply and .pcd position and normal too]
+    /// The channels to compute, with commas between: t, object, primitive, face, node, mesh,
+    /// material, normal, incidence, position, barycentric, uv, base_color, front, valid, and
+    /// attribute:NAME for an attribute of the meshes [default: t,object,primitive; for .ply and
+    /// .pcd position and normal too]
     #[arg(
         long,
         value_name = "NAMES",
@@ -44,7 +52,8 @@ pub(crate) struct ShootArgs {
         hide_possible_values = true
     )]
     pub(crate) channels: Vec<String>,
-    /// Hits have a t above this. With a negative one, rays also meet the surface that they start on [default: 0]
+    /// Hits have a t above this. With a negative one, rays also meet the surface that they start on
+    /// [default: 0]
     #[arg(long, value_name = "T", value_parser = values::t_min, allow_hyphen_values = true)]
     pub(crate) t_min: Option<f64>,
     /// Hits have a t up to this, itself included [default: inf]
@@ -53,12 +62,19 @@ pub(crate) struct ShootArgs {
     /// The side of surfaces that rays pass through: the front is where the normal points
     #[arg(long, value_name = "SIDE")]
     pub(crate) cull: Option<CulledSide>,
-    /// Write every hit of each ray, in order, not only the first: an element for each hit, with the channel ray before the
-    /// others, the number of its ray. Each crossing of a surface counts once, at edges too
+    /// Write every hit of each ray, in order, not only the first: an element for each hit, with the
+    /// channel ray before the others, the number of its ray. Each crossing of a surface counts
+    /// once, at edges too
     #[arg(long)]
     pub(crate) all: bool,
     /// As --all, but at most the first K hits of each ray
-    #[arg(long, value_name = "K", value_parser = clap::value_parser!(u32).range(1..), allow_hyphen_values = true, conflicts_with = "all")]
+    #[arg(
+        long,
+        value_name = "K",
+        value_parser = clap::value_parser!(u32).range(1..),
+        allow_hyphen_values = true,
+        conflicts_with = "all",
+    )]
     pub(crate) nearest: Option<u32>,
     #[command(flatten)]
     pub(crate) pick: PickArgs,
@@ -89,25 +105,37 @@ pub(crate) struct BuildArgs {
 pub(crate) struct NearestArgs {
     /// The 3D file: glTF, GLB, OBJ, PLY, STL, OFF or FHS, or a scene file (TOML)
     pub(crate) file: PathBuf,
-    /// The points, or - for standard input: PLY, PCD, LAS, LAZ, NPY, NPZ, EXR, or text such as CSV and XYZ
+    /// The points, or - for standard input: PLY, PCD, LAS, LAZ, NPY, NPZ, EXR, or text such as CSV
+    /// and XYZ
     pub(crate) points: PathBuf,
-    /// Where to write: .npz, .csv, .ply or .pcd (a point cloud of the nearest points), .npy with {channel} in its name,
+    /// Where to write: .npz, .csv, .ply or .pcd (a point cloud of the nearest points), .npy with
+    /// {channel} in its name,
     /// - for standard output; may be given several times [default: - as CSV; none with --cloud]
     #[arg(short, long, value_name = "FILE")]
     pub(crate) output: Vec<PathBuf>,
-    /// Write the points again with all their columns, and with the column distance: .ply, .pcd, .npz or .csv; may be given
-    /// several times
+    /// Write the points again with all their columns, and with the column distance: .ply, .pcd,
+    /// .npz or .csv; may be given several times
     #[arg(long, value_name = "FILE", conflicts_with = "count")]
     pub(crate) cloud: Vec<PathBuf>,
     /// The format on standard output [default: csv]
     #[arg(long, value_name = "FORMAT")]
     pub(crate) format: Option<StreamFormat>,
-    /// How many nearest points each point gets, each of another object or primitive; a channel says for which point
-    /// each is [default: 1]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..), allow_hyphen_values = true)]
+    /// How many nearest points each point gets, each of another object or primitive; a channel says
+    /// for which point each is [default: 1]
+    #[arg(
+        long,
+        value_name = "N",
+        value_parser = clap::value_parser!(u32).range(1..),
+        allow_hyphen_values = true,
+    )]
     pub(crate) count: Option<u32>,
     /// The largest distance that counts, itself included [default: inf]
-    #[arg(long, value_name = "LENGTH", value_parser = values::tolerance, allow_hyphen_values = true)]
+    #[arg(
+        long,
+        value_name = "LENGTH",
+        value_parser = values::tolerance,
+        allow_hyphen_values = true,
+    )]
     pub(crate) radius: Option<f64>,
     /// Make distances negative inside. All objects must be closed
     #[arg(long, conflicts_with_all = ["count", "radius"])]
@@ -115,9 +143,14 @@ pub(crate) struct NearestArgs {
     /// Take open objects, too: points are inside of them as their winding number says
     #[arg(long, requires = "signed")]
     pub(crate) allow_open: bool,
-    /// Which points a closed mesh holds: those that it goes around any number of times but zero (nonzero), or an odd number of times
-    /// (parity) [default: nonzero]
-    #[arg(long, value_name = "RULE", value_parser = values::named::<FillRule>(FillRule::NAMES), requires = "signed")]
+    /// Which points a closed mesh holds: those that it goes around any number of times but zero
+    /// (nonzero), or an odd number of times (parity) [default: nonzero]
+    #[arg(
+        long,
+        value_name = "RULE",
+        value_parser = values::named::<FillRule>(FillRule::NAMES),
+        requires = "signed",
+    )]
     pub(crate) rule: Option<FillRule>,
     #[command(flatten)]
     pub(crate) pick: PickArgs,
@@ -134,10 +167,11 @@ pub(crate) struct NearestArgs {
 pub(crate) struct ListArgs {
     /// The 3D file: glTF, GLB, OBJ, PLY, STL, OFF or FHS, or a scene file (TOML)
     pub(crate) file: PathBuf,
-    /// The points, or - for standard input: PLY, PCD, LAS, LAZ, NPY, NPZ, EXR, or text such as CSV and XYZ. The pairs of points of
-    /// firsthit visible without --from: .npy, .npz or .csv
+    /// The points, or - for standard input: PLY, PCD, LAS, LAZ, NPY, NPZ, EXR, or text such as CSV
+    /// and XYZ. The pairs of points of firsthit visible without --from: .npy, .npz or .csv
     pub(crate) points: PathBuf,
-    /// Where to write: .npz, .npy or .csv, - for standard output; may be given several times [default: - as CSV]
+    /// Where to write: .npz, .npy or .csv, - for standard output; may be given several times
+    /// [default: - as CSV]
     #[arg(short, long, value_name = "FILE")]
     pub(crate) output: Vec<PathBuf>,
     /// The format on standard output [default: csv]
@@ -160,7 +194,13 @@ pub(crate) struct VisibleArgs {
     pub(crate) from: Option<DVec3>,
     /// Let surfaces nearer to either point than this hide nothing, in scene units: the error of
     /// points that are rounded, as to float32
-    #[arg(long, value_name = "DISTANCE", value_parser = values::tolerance, default_value_t = 0.0, allow_hyphen_values = true)]
+    #[arg(
+        long,
+        value_name = "DISTANCE",
+        value_parser = values::tolerance,
+        default_value_t = 0.0,
+        allow_hyphen_values = true,
+    )]
     pub(crate) tolerance: f64,
     #[command(flatten)]
     pub(crate) list: ListArgs,
@@ -178,8 +218,8 @@ pub(crate) struct SolidArgs {
 /// Options for the inside of objects.
 #[derive(Debug, Args)]
 pub(crate) struct FillArgs {
-    /// Which points a closed mesh holds: those that it goes around any number of times but zero (nonzero), or an odd number of times
-    /// (parity) [default: nonzero]
+    /// Which points a closed mesh holds: those that it goes around any number of times but zero
+    /// (nonzero), or an odd number of times (parity) [default: nonzero]
     #[arg(long, value_name = "RULE", value_parser = values::named::<FillRule>(FillRule::NAMES))]
     pub(crate) rule: Option<FillRule>,
 }
@@ -194,12 +234,13 @@ pub(crate) enum StreamFormat {
 #[derive(Debug, Args)]
 #[command(after_help = help::INFO_EXAMPLES)]
 pub(crate) struct InfoArgs {
-    /// The 3D file, a scene file (TOML), or an output: .png, .exr, .npy, .npz, .pcd, .las, .laz, or a point cloud that is .ply. Of a .fhs file
-    /// all checksums are compared
+    /// The 3D file, a scene file (TOML), or an output: .png, .exr, .npy, .npz, .pcd, .las, .laz, or
+    /// a point cloud that is .ply. Of a .fhs file all checksums are compared
     pub(crate) file: PathBuf,
-    /// Print JSON. Of a 3D file: triangles, vertices, bounds as [[low], [high]] (null if nothing is there), objects, up,
-    /// cameras, lights, environment (null if there is none), materials, textures, counts of these, warnings. Of an output:
-    /// format, arrays, counts, metadata (null if there are none), notes. Of each kind the first 10000 are listed
+    /// Print JSON. Of a 3D file: triangles, vertices, bounds as [[low], [high]] (null if nothing is
+    /// there), objects, up, cameras, lights, environment (null if there is none), materials,
+    /// textures, counts of these, warnings. Of an output: format, arrays, counts, metadata (null if
+    /// there are none), notes. Of each kind the first 10000 are listed
     #[arg(long)]
     pub(crate) json: bool,
     /// List everything, not only the first 20 of each kind (10000 with --json)
@@ -216,7 +257,8 @@ pub(crate) struct DiffArgs {
     pub(crate) a: PathBuf,
     /// Another output, of any of these formats
     pub(crate) b: PathBuf,
-    /// Numbers that differ by no more than this are equal; identifiers must be the same [default: 0]
+    /// Numbers that differ by no more than this are equal; identifiers must be the same [default:
+    /// 0]
     #[arg(long, value_name = "X", value_parser = values::tolerance, allow_hyphen_values = true)]
     pub(crate) tolerance: Option<f64>,
     /// The channels to compare, with commas between [default: all of both files]
@@ -245,8 +287,8 @@ pub(crate) struct SectionArgs {
     /// The direction at right angles to the plane, of any length [default: the model's up]
     #[arg(long, value_name = "X,Y,Z", value_parser = values::vector, allow_hyphen_values = true)]
     pub(crate) normal: Option<DVec3>,
-    /// Where to write: .svg (a drawing), .dxf (for CAD) or .json (all numbers); may be given several times [default: none,
-    /// only what the section comes to is printed]
+    /// Where to write: .svg (a drawing), .dxf (for CAD) or .json (all numbers); may be given
+    /// several times [default: none, only what the section comes to is printed]
     #[arg(short, long, value_name = "FILE")]
     pub(crate) output: Vec<PathBuf>,
     #[command(flatten)]
@@ -274,12 +316,18 @@ pub(crate) struct LintArgs {
     /// How many places of each kind are listed [default: 3, or 100 with --json]
     #[arg(long, value_name = "N", allow_hyphen_values = true)]
     pub(crate) places: Option<u32>,
-    /// Print JSON: is_clean, checked (the kinds), files (file, is_clean, findings), warnings. A finding has kind, count, of, note and
-    /// places. A place has object, name, primitive (null if it is about no triangle) and position (null if it is nowhere)
+    /// Print JSON: is_clean, checked (the kinds), files (file, is_clean, findings), warnings. A
+    /// finding has kind, count, of, note and places. A place has object, name, primitive (null if
+    /// it is about no triangle) and position (null if it is nowhere)
     #[arg(long)]
     pub(crate) json: bool,
     /// The number of threads; the result is the same for any [default: all cores]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024), allow_hyphen_values = true)]
+    #[arg(
+        long,
+        value_name = "N",
+        value_parser = clap::value_parser!(u16).range(1..=1024),
+        allow_hyphen_values = true,
+    )]
     pub(crate) threads: Option<u16>,
     #[command(flatten)]
     pub(crate) trees: TreeArgs,
@@ -288,13 +336,21 @@ pub(crate) struct LintArgs {
 }
 
 #[derive(Debug, Args)]
-#[command(after_help = help::PROBE_EXAMPLES, group(clap::ArgGroup::new("which ray").required(true).args(["pixel", "ray"])))]
+#[command(
+    after_help = help::PROBE_EXAMPLES,
+    group(clap::ArgGroup::new("which ray").required(true).args(["pixel", "ray"])),
+)]
 pub(crate) struct ProbeArgs {
     /// The 3D file: glTF, GLB, OBJ, PLY, STL, OFF or FHS, or a scene file (TOML)
     pub(crate) file: PathBuf,
-    /// The pixel through whose centre the ray goes: its row from the top and its column from the left, both from 0. The picture is
-    /// that of firsthit render with the same options
-    #[arg(long, value_name = "ROW,COLUMN", value_parser = values::pixel, allow_hyphen_values = true)]
+    /// The pixel through whose centre the ray goes: its row from the top and its column from the
+    /// left, both from 0. The picture is that of firsthit render with the same options
+    #[arg(
+        long,
+        value_name = "ROW,COLUMN",
+        value_parser = values::pixel,
+        allow_hyphen_values = true,
+    )]
     pub(crate) pixel: Option<[usize; 2]>,
     /// The ray itself, OX,OY,OZ,DX,DY,DZ: its origin and its direction, of any length
     #[arg(long, value_name = "RAY", value_parser = values::ray, allow_hyphen_values = true,
@@ -302,7 +358,8 @@ pub(crate) struct ProbeArgs {
         "viewplane", "aperture", "focus", "intrinsics", "pose", "convention", "projection", "parameters", "orthographic",
         "ray_start", "size"])]
     pub(crate) ray: Option<(DVec3, DVec3)>,
-    /// Hits have a t above this. With a negative one, the ray also meets what is behind its start [default: 0]
+    /// Hits have a t above this. With a negative one, the ray also meets what is behind its start
+    /// [default: 0]
     #[arg(long, value_name = "T", value_parser = values::t_min, allow_hyphen_values = true)]
     pub(crate) t_min: Option<f64>,
     /// Hits have a t up to this, itself included [default: inf]
@@ -314,12 +371,17 @@ pub(crate) struct ProbeArgs {
     /// List every object and everything behind the hit, not only the first of each kind
     #[arg(long)]
     pub(crate) all: bool,
-    /// Print JSON, with every object: pixel, ray, fault, hit, behind, behind_count, counts, candidates, guessed, warnings. Infinite numbers are
-    /// null; a miss has null for hit
+    /// Print JSON, with every object: pixel, ray, fault, hit, behind, behind_count, counts,
+    /// candidates, guessed, warnings. Infinite numbers are null; a miss has null for hit
     #[arg(long)]
     pub(crate) json: bool,
     /// The number of threads; the result is the same for any [default: all cores]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024), allow_hyphen_values = true)]
+    #[arg(
+        long,
+        value_name = "N",
+        value_parser = clap::value_parser!(u16).range(1..=1024),
+        allow_hyphen_values = true,
+    )]
     pub(crate) threads: Option<u16>,
     #[command(flatten)]
     pub(crate) camera: CameraArgs,
@@ -335,12 +397,18 @@ pub(crate) struct ProbeArgs {
 pub(crate) struct ViewArgs {
     /// The 3D file: glTF, GLB, OBJ, PLY, STL, OFF or FHS, or a scene file (TOML)
     pub(crate) file: PathBuf,
-    /// Write the page to this file, part.html, with the scene inside, and serve nothing. Browsers open it without this program and
-    /// without a network
+    /// Write the page to this file, part.html, with the scene inside, and serve nothing. Browsers
+    /// open it without this program and without a network
     #[arg(short, long, value_name = "FILE", conflicts_with_all = ["port", "no_browser", "keep"])]
     pub(crate) output: Option<PathBuf>,
-    /// The port on 127.0.0.1 to listen on. To look from another machine: ssh -L PORT:127.0.0.1:PORT [default: one that is free]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..), allow_hyphen_values = true)]
+    /// The port on 127.0.0.1 to listen on. To look from another machine: ssh -L PORT:127.0.0.1:PORT
+    /// [default: one that is free]
+    #[arg(
+        long,
+        value_name = "N",
+        value_parser = clap::value_parser!(u16).range(1..),
+        allow_hyphen_values = true,
+    )]
     pub(crate) port: Option<u16>,
     /// Print the page's address, and open no browser
     #[arg(long)]
@@ -349,7 +417,12 @@ pub(crate) struct ViewArgs {
     #[arg(long)]
     pub(crate) keep: bool,
     /// The number of threads [default: all cores]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024), allow_hyphen_values = true)]
+    #[arg(
+        long,
+        value_name = "N",
+        value_parser = clap::value_parser!(u16).range(1..=1024),
+        allow_hyphen_values = true,
+    )]
     pub(crate) threads: Option<u16>,
     #[command(flatten)]
     pub(crate) camera: CameraArgs,
@@ -368,7 +441,8 @@ pub(crate) struct ViewArgs {
 /// The arguments of a command that is written in Python, which alone understands them.
 #[derive(Debug, Args)]
 pub(crate) struct InPythonArgs {
-    /// The arguments of the command: its help comes with the Python package (pip install . in a clone, see README.md)
+    /// The arguments of the command: its help comes with the Python package (pip install . in a
+    /// clone, see README.md)
     #[arg(value_name = "ARGUMENTS", trailing_var_arg = true, allow_hyphen_values = true)]
     pub(crate) _arguments: Vec<std::ffi::OsString>,
 }

@@ -64,7 +64,8 @@ fn of_model(args: &InfoArgs, progress: &Progress) -> Result<String, Failure> {
 
 fn as_json(loaded: &Loaded, most: usize, progress: &Progress) -> Value {
     let Loaded { scene, warnings, model, .. } = loaded;
-    // Objects of one mesh have the same properties, so that the lists of all objects count together.
+    // Objects of one mesh have the same properties, so that the lists of all objects count
+    // together.
     let (mut room, mut shell_room, mut solids) = (most, most, Solids::default());
     let catalog = scene.catalog();
     let mut object = |(number, object): (usize, &Object)| {
@@ -191,7 +192,8 @@ fn as_text(loaded: &Loaded, most: usize, progress: &Progress) -> String {
     lines.join("\n") + "\n"
 }
 
-/// The node and the materials of an object, as far as they have names. They tell apart objects that are called alike.
+/// The node and the materials of an object, as far as they have names. They tell apart objects that
+/// are called alike.
 fn origin(object: usize, scene: &Scene) -> String {
     /// The most materials that are listed: a real object has few, but a file may say otherwise.
     const MOST: usize = 3;

@@ -67,7 +67,8 @@ impl Solids {
         ]
     }
 
-    /// A line, and one for each shell if there are several. A lone triangle has none: it says all itself.
+    /// A line, and one for each shell if there are several. A lone triangle has none: it says all
+    /// itself.
     pub(super) fn as_text(&mut self, object: &Object, most: usize, indent: &str) -> Vec<String> {
         let Some(solid) = self.of(object).filter(|solid| solid.triangles > 1) else {
             return Vec::new();

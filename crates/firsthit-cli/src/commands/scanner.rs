@@ -94,7 +94,8 @@ impl<'a> Scanner<'a> {
         place.pose.is_none() && place.up.is_none() && self.drive.is_none()
     }
 
-    /// Its pose in the world, or in the coordinates of the body that carries it; `up` is that of the 3D file.
+    /// Its pose in the world, or in the coordinates of the body that carries it; `up` is that of
+    /// the 3D file.
     pub(super) fn pose(&self, place: &PlaceArgs, up: DVec3) -> Result<Pose, Failure> {
         if let Some(path) = &place.pose {
             let matrix = Convention::OpenGl.pose(matrix_of_file(path)?);

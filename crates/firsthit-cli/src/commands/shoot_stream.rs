@@ -17,8 +17,8 @@ use crate::rays::{Feed, RayLines};
 /// The number of lines that a thread formats at a time.
 const ROWS: usize = 1 << 12;
 
-/// Answers the lines of `feed` on standard output. All lines that have arrived are shot together, and their answers are flushed
-/// before it waits for more.
+/// Answers the lines of `feed` on standard output. All lines that have arrived are shot together,
+/// and their answers are flushed before it waits for more.
 pub(super) fn answer(
     feed: &Feed,
     mut lines: RayLines,

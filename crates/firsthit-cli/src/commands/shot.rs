@@ -46,8 +46,8 @@ pub(super) fn shot(
     Ok((frame, counts))
 }
 
-/// Shoots rays, and computes channels of all their hits; of each ray the first ones, if `query` says so. The first of the kinds
-/// is [`RAY`].
+/// Shoots rays, and computes channels of all their hits; of each ray the first ones, if `query`
+/// says so. The first of the kinds is [`RAY`].
 pub(super) fn shot_all(
     scene: &Scene,
     rays: &RayArrays,

@@ -85,7 +85,8 @@ impl Sinks {
         Ok(())
     }
 
-    /// Writes all of it. Files first: a reader of standard output who has had enough ends the program.
+    /// Writes all of it. Files first: a reader of standard output who has had enough ends the
+    /// program.
     pub(super) fn write(&self, frame: &Frame, progress: &Progress) -> Result<(), Failure> {
         output::write(frame, &self.files, WriteSettings::default(), progress)?;
         match self.stdout {

@@ -102,7 +102,8 @@ fn title(file: &Path) -> String {
     escaped(name)
 }
 
-/// Opens the default browser. What opens it is waited for aside: some browsers are that program themselves.
+/// Opens the default browser. What opens it is waited for aside: some browsers are that program
+/// themselves.
 fn open(address: &str) {
     let (program, before): (&str, &[&str]) = if cfg!(target_os = "macos") {
         ("open", &[])

@@ -105,9 +105,10 @@ fn named(wanted: &str, source: ChannelSource) -> Result<&'static ChannelKind, Fa
     })
 }
 
-/// A channel that says more after a colon, if that is what is asked for: an attribute by its name, whether any mesh has it being known
-/// later; the Cryptomatte of another number of pairs than the usual one; or ambient occlusion up to a length. Channels are arguments of the
-/// program, and live as long.
+/// A channel that says more after a colon, if that is what is asked for: an attribute by its name,
+/// whether any mesh has it being known later; the Cryptomatte of another number of pairs than the
+/// usual one; or ambient occlusion up to a length. Channels are arguments of the program, and live
+/// as long.
 fn with_more(wanted: &str) -> Result<Option<&'static ChannelKind>, Failure> {
     let takes_more = |kind: &&ChannelKind| kind.matte().is_some() || kind.occlusion().is_some();
     let mut known = KINDS.iter().filter(takes_more);

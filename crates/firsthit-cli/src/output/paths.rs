@@ -53,8 +53,8 @@ pub(crate) fn check_paths<'a>(
     Ok(())
 }
 
-/// The file that `path` leads to, however it is spelled. Fails for one that cannot be written: better now
-/// than after hours of rendering.
+/// The file that `path` leads to, however it is spelled. Fails for one that cannot be written:
+/// better now than after hours of rendering.
 fn place(path: &Path) -> Result<PathBuf, Failure> {
     let refused = |what: &str| Err(Failure::not_written(format!("{}: {what}", escaped(path))));
     if let Ok(there) = path.metadata() {

@@ -35,7 +35,8 @@ pub(crate) fn as_json(
     targets.iter().zip(legends).map(one).collect()
 }
 
-/// Writes all files, each whole or not at all; returns how to read each back, where that takes words.
+/// Writes all files, each whole or not at all; returns how to read each back, where that takes
+/// words.
 pub(crate) fn write(
     frame: &Frame,
     targets: &[Target],

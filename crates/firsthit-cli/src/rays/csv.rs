@@ -59,7 +59,8 @@ impl Lines {
         wanted.or(self.columns).unwrap_or(6)
     }
 
-    /// Adds the numbers of the next lines, which are whole, to `values`: of all lines before one that is wrong.
+    /// Adds the numbers of the next lines, which are whole, to `values`: of all lines before one
+    /// that is wrong.
     pub(super) fn read(&mut self, bytes: &[u8], values: &mut Vec<f64>) -> Result<(), String> {
         let mut reader = csv::ReaderBuilder::new()
             .has_headers(false)
@@ -71,7 +72,8 @@ impl Lines {
         while reader.read_byte_record(&mut record).map_err(|error| error.to_string())? {
             let before = self.before;
             let at_line = |what| {
-                // A record's own position is before the blank lines and the comments that were skipped.
+                // A record's own position is before the blank lines and the comments that were
+                // skipped.
                 let end = usize::try_from(reader.position().byte()).unwrap_or(usize::MAX);
                 let read = bytes.get(..end).unwrap_or(bytes);
                 let read = read.strip_suffix(b"\n").unwrap_or(read);
@@ -120,7 +122,8 @@ impl Lines {
         Ok(())
     }
 
-    /// Takes columns by their names. Where those that are known stand in their places, columns are taken in order.
+    /// Takes columns by their names. Where those that are known stand in their places, columns are
+    /// taken in order.
     fn header(&mut self, record: &csv::ByteRecord) -> Result<(), String> {
         let is = |name: &str, field: &[u8]| field.eq_ignore_ascii_case(name.as_bytes());
         let of = |name: &&str| record.iter().position(|field| is(name, field));

@@ -48,7 +48,8 @@ impl RayLines {
         Self { lines: csv::Lines::new(csv::OF_RAYS), limits }
     }
 
-    /// The rays of some more lines; and, where a line is wrong, why: the rays are then those before it.
+    /// The rays of some more lines; and, where a line is wrong, why: the rays are then those before
+    /// it.
     pub(crate) fn read(&mut self, bytes: &[u8]) -> (RayArrays, Result<(), Failure>) {
         let mut values = Vec::new();
         let read = self.lines.read(bytes, &mut values);
@@ -218,7 +219,8 @@ fn origins_and_directions(tables: &[Table]) -> Result<(Triples, Triples), String
     }
 }
 
-/// The arrays in a file; `alone` is what the one is called in an archive that is all that is wanted, `names` what columns of text are.
+/// The arrays in a file; `alone` is what the one is called in an archive that is all that is
+/// wanted, `names` what columns of text are.
 fn load(path: &Path, alone: &str, names: csv::Names) -> Result<Vec<Table>, Failure> {
     let bytes = bytes(path).map_err(|error| bad(path, &error))?;
     tables(bytes, alone, names).map_err(|what| bad(path, &what))

@@ -50,7 +50,8 @@ pub(super) fn npz(bytes: Vec<u8>, alone: &str) -> Result<Vec<Table>, String> {
     }
 }
 
-/// An array of shape (n, columns) of any type of number, of either byte order, in C or Fortran order.
+/// An array of shape (n, columns) of any type of number, of either byte order, in C or Fortran
+/// order.
 pub(super) fn npy(bytes: &[u8]) -> Result<Table, String> {
     let (header, data) = NpyHeader::parse(bytes)?;
     let &[_, columns] = header.shape() else {

@@ -73,7 +73,8 @@ impl Shared {
     }
 }
 
-/// Standard input. A call takes all that has arrived since the last one, be it one line or a million.
+/// Standard input. A call takes all that has arrived since the last one, be it one line or a
+/// million.
 pub(crate) struct Feed {
     shared: Arc<Shared>,
 }
@@ -95,7 +96,8 @@ impl Feed {
         Ok(state.bytes.iter().copied().take(MARK).collect())
     }
 
-    /// All whole lines that have arrived, or the rest at the end of the input; `None` after that. Waits for a line.
+    /// All whole lines that have arrived, or the rest at the end of the input; `None` after that.
+    /// Waits for a line.
     pub(crate) fn lines(&self, is_stopped: &dyn Fn() -> bool) -> Result<Option<Vec<u8>>, Failure> {
         let is_too_long = |state: &State| !state.has_line && state.bytes.len() > LONGEST_LINE;
         let is_enough = |state: &State| state.has_line || is_too_long(state);

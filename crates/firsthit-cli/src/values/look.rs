@@ -67,7 +67,8 @@ pub(crate) fn sky(text: &str) -> Result<Sky, String> {
     Ok(Sky { horizon: color(horizon)?, zenith: color(zenith)? })
 }
 
-/// The name of a rig, or a light: its kind, and after a colon each its settings, but for its colour.
+/// The name of a rig, or a light: its kind, and after a colon each its settings, but for its
+/// colour.
 pub(crate) fn light(text: &str) -> Result<LightArg, String> {
     if let Ok(rig) = text.parse() {
         return Ok(LightArg::LightRig(rig));

@@ -55,7 +55,8 @@ fn look_at_auto_looks_at_the_middle() {
 #[test]
 fn the_field_of_view_is_vertical() {
     let lab = Lab::with_square();
-    // At distance 1 the square's edges are 45 degrees up and down: rows 1 and 2 of 4 see it at 100 degrees.
+    // At distance 1 the square's edges are 45 degrees up and down: rows 1 and 2 of 4 see it at 100
+    // degrees.
     let hits = |fov: f64| {
         lab.ok(&format!(
             "render square.ply --position 0,0,1 --aim 0,0,-1 --up 0,1,0 --fov {fov} --size 1x1001 \
@@ -311,7 +312,8 @@ fn a_pose_of_three_decimals_is_taken_with_a_warning() {
     lab.fails(render, 3, far);
 }
 
-/// Two images of the camera of `an_intrinsic_matrix_and_a_pose_make_the_camera`: from above and from nearer.
+/// Two images of the camera of `an_intrinsic_matrix_and_a_pose_make_the_camera`: from above and
+/// from nearer.
 const CAMERAS_OF_COLMAP: &str = "1 PINHOLE 5 3 4 4 2.5 1.5\n2 FOV 5 3 4 4 2.5 1.5 0.9\n";
 const IMAGES_OF_COLMAP: &str =
     "1 0 1 0 0 0 0 5 1 from above.png\n\n2 0 1 0 0 0 0 3 2 near/by.png\n1 2 -1\n";

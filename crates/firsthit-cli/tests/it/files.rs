@@ -135,7 +135,8 @@ fn verbose_has_a_line_for_each_step() {
     lab.fails("info a.fhs -q -v", 2, "cannot be used with");
 }
 
-/// With the file's own channels it was refused, and with others on the command line it was written through the link.
+/// With the file's own channels it was refused, and with others on the command line it was written
+/// through the link.
 #[cfg(unix)]
 #[test]
 fn no_output_of_a_scene_leaves_its_folder_whatever_the_channels() {
@@ -154,7 +155,8 @@ fn no_output_of_a_scene_leaves_its_folder_whatever_the_channels() {
     assert!(lab.path("scene/t.png").exists() && lab.path("scene/object.png").exists());
 }
 
-/// Whatever reads a file, and whatever would write over it: a file that the command line names, or one that another file names.
+/// Whatever reads a file, and whatever would write over it: a file that the command line names, or
+/// one that another file names.
 #[test]
 fn no_command_writes_over_what_it_reads() {
     let lab = Lab::with_square();

@@ -62,7 +62,8 @@ fn options_replace_what_the_files_camera_says() {
     assert_eq!(z_of(&lab, "--camera Front --position 0,0,3 --size 40x40"), (vec![40, 40], 3.0));
 }
 
-/// From 4 away the square's edge of 2 is at 26.6 degrees: the file's 14 end before it, 30 behind it.
+/// From 4 away the square's edge of 2 is at 26.6 degrees: the file's 14 end before it, 30 behind
+/// it.
 #[test]
 fn the_angle_of_the_file_is_that_of_the_picture() {
     let lab = lab();

@@ -4,14 +4,16 @@ use firsthit::InstructionSet;
 
 use super::support::{Lab, array};
 
-/// The picture with the default samples. After an intended change, put here what the failing test prints.
+/// The picture with the default samples. After an intended change, put here what the failing test
+/// prints.
 const ANTIALIASED: &str = "283da2005f5aa82290645801748d31410087dafc1613916b73ac51320a5e841b";
 
 /// The picture with one sample per pixel, which no change of antialiasing may touch.
 const ONE_SAMPLE: &str = "be0133668f5a217c9d8974a9793da1563bf56468caf05af77717368086dd9530";
 
-/// The BLAKE3 digest of the colours, which are float32 numbers. A file's digest would not do: it may name the version and depends
-/// on the compressor, and a PNG rounds away differences in the last bits.
+/// The BLAKE3 digest of the colours, which are float32 numbers. A file's digest would not do: it
+/// may name the version and depends on the compressor, and a PNG rounds away differences in the
+/// last bits.
 fn digest(set: InstructionSet, arguments: &str) -> String {
     let lab = Lab::new();
     let arguments = format!("demo --size 320x180 --quiet --output picture.npy {arguments}");

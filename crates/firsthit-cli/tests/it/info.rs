@@ -244,7 +244,8 @@ fn json_lists_the_first_ten_thousand_of_each_kind_and_counts_all() {
     assert_eq!(info(&square, "a.npz")["counts"], json!({"arrays": 2}));
 }
 
-/// A mark that reorders the text after it, one that ends a line on some terminals, and one that is not seen.
+/// A mark that reorders the text after it, one that ends a line on some terminals, and one that is
+/// not seen.
 const TRICK: &str = "a\u{202e}gnp\u{9b}31m\u{200b}b";
 
 #[test]

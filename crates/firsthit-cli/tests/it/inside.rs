@@ -64,7 +64,8 @@ fn what_are_no_points_is_refused() {
     }
 }
 
-/// Two boxes in one mesh: what they have in common is inside, or by parity it is not; in every command.
+/// Two boxes in one mesh: what they have in common is inside, or by parity it is not; in every
+/// command.
 #[test]
 fn the_rule_is_the_same_for_every_command() {
     let lab = Lab::new();

@@ -197,7 +197,8 @@ fn a_shader_without_settings_says_so() {
     }
 }
 
-/// The set that the help calls the default had no ground when it was asked for by name, and was black in rooms.
+/// The set that the help calls the default had no ground when it was asked for by name, and was
+/// black in rooms.
 #[test]
 fn the_default_set_by_its_name_is_the_default() {
     let lab = Lab::with_square();

@@ -4,7 +4,8 @@ use std::fmt::Write as _;
 
 use crate::support::Lab;
 
-/// Two cubes of one file, one on the other, of which a ray from above meets the tops at t = 1 and 2, and the bottoms at 2 and 3.
+/// Two cubes of one file, one on the other, of which a ray from above meets the tops at t = 1 and
+/// 2, and the bottoms at 2 and 3.
 fn tower(lab: &Lab) {
     let cube = |name: &str, z: f64, first: u32| {
         let mut text = format!("o {name}\n");

@@ -209,7 +209,8 @@ fn what_cannot_be_asked_is_refused() {
     lab.fails("probe none.obj --pixel 0,0", 3, "none.obj");
 }
 
-/// Two wheels called alike, of one mesh with the materials steel and glass; each part of a mesh has one of the file's materials.
+/// Two wheels called alike, of one mesh with the materials steel and glass; each part of a mesh has
+/// one of the file's materials.
 fn wheels() -> Value {
     let part =
         |material: usize| json!({"attributes": {"POSITION": material}, "material": material});

@@ -98,7 +98,8 @@ fn t_min_begins_rays_and_is_no_hit_itself() {
 #[test]
 fn every_hit_is_there_with_the_number_of_its_ray() {
     let lab = Lab::with("cube_binary.stl", "cube.stl");
-    // Down through the cube, past it, and from its middle; the first one through a diagonal of two faces.
+    // Down through the cube, past it, and from its middle; the first one through a diagonal of two
+    // faces.
     let info: serde_json::Value =
         serde_json::from_str(lab.ok("info cube.stl --json").text()).unwrap();
     let bounds = |end: usize, axis: usize| info["bounds"][end][axis].as_f64().unwrap();

@@ -15,11 +15,13 @@ pub(crate) const SQUARE: &str = "ply\nformat ascii 1.0\nelement vertex 4\n\
     property list uchar int vertex_indices\nend_header\n\
     -1 -1 0\n1 -1 0\n1 1 0\n-1 1 0\n4 0 1 2 3\n";
 
-/// A camera five above the [`SQUARE`]'s middle, its viewplane at z = 3, a pixel's centre in the middle.
+/// A camera five above the [`SQUARE`]'s middle, its viewplane at z = 3, a pixel's centre in the
+/// middle.
 pub(crate) const ABOVE: &str = "--position 0,0,5 --aim 0,0,-3 --up 0,2,0 --focal-length 2 \
     --viewplane 4x3 --size 33x25";
 
-/// A shell lets what it starts in the background ignore Ctrl-C, and so would all that tests start. A handler is not handed on.
+/// A shell lets what it starts in the background ignore Ctrl-C, and so would all that tests start.
+/// A handler is not handed on.
 static HEEDS_CTRL_C: Once = Once::new();
 
 /// The program, started by the words of `runner`, such as an emulator and its options.

@@ -187,7 +187,8 @@ fn the_file_s_light_and_camera_are_the_first_that_is_seen() {
     assert_eq!(lab.png("a.png"), lab.png("b.png"));
 }
 
-/// Exposure, tone map and lines of the file are those of the page's picture too, and may be left out there.
+/// Exposure, tone map and lines of the file are those of the page's picture too, and may be left
+/// out there.
 #[test]
 fn what_the_file_says_of_its_pictures_is_shown() {
     let lab = Lab::with_square();

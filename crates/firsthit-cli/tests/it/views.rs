@@ -126,7 +126,8 @@ fn colours_are_the_mean_of_four_points_and_of_sixteen_in_soft_light() {
     assert_ne!(made(hard), made(&format!("{hard} --samples 1")));
 }
 
-/// The part of a picture's pixels whose brightness differs from the background's by less than a tenth.
+/// The part of a picture's pixels whose brightness differs from the background's by less than a
+/// tenth.
 fn lost(lab: &Lab, color: &str) -> f64 {
     lab.ok(&format!("render part.stl --color {color} --size 64x48 --quiet"));
     let (_, _, bytes) = lab.png("part.png");

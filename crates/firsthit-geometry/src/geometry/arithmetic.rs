@@ -1,6 +1,7 @@
 //! One way to write a computation for a single number and for lanes of them.
 //!
-//! What is computed for one ray and for eight at once must come to the same bits. Written once, it does.
+//! What is computed for one ray and for eight at once must come to the same bits. Written once, it
+//! does.
 
 #![allow(
     clippy::inline_always,
@@ -54,11 +55,13 @@ pub trait Arithmetic: Copy {
     fn is_anywhere(self, mask: Self::Mask) -> bool;
 }
 
-/// `a / b` by the inverse of `b`, rounded as a division rounds it, which takes longer. (One multiplication and two fused ones:
-/// Markstein, "Computation of elementary functions on the IBM RISC System/6000 processor", IBM Journal of Research and
-/// Development 34(1), 1990; Brisebarre, Muller and Raina, "Accelerating correctly rounded floating-point division when the
-/// divisor is known in advance", IEEE Transactions on Computers 53(8), 2004.) But `+0 / -1` is `+0`, and where `a` or the
-/// quotient is so small that what is left over has no digits, the last digit may be another.
+/// `a / b` by the inverse of `b`, rounded as a division rounds it, which takes longer. (One
+/// multiplication and two fused ones: Markstein, "Computation of elementary functions on the IBM
+/// RISC System/6000 processor", IBM Journal of Research and Development 34(1), 1990; Brisebarre,
+/// Muller and Raina, "Accelerating correctly rounded floating-point division when the divisor is
+/// known in advance", IEEE Transactions on Computers 53(8), 2004.) But `+0 / -1` is `+0`, and where
+/// `a` or the quotient is so small that what is left over has no digits, the last digit may be
+/// another.
 #[inline(always)]
 #[doc(hidden)]
 pub fn quotient_by_inverse<A: Arithmetic>(
@@ -232,7 +235,8 @@ mod tests {
         let number = |exponent: u64, digits: u64| f64::from_bits(exponent << 52 | digits);
         let ones = (1 << 52) - 1;
         for k in 0..200_000 {
-            // From 1 to 2, the hardest of them next to the ends, of any size, and a little below the divisor.
+            // From 1 to 2, the hardest of them next to the ends, of any size, and a little below
+            // the divisor.
             let near = digits(k) >> (k % 53);
             let any = number(1023 - 300 + k % 600, digits(!k));
             for b in [number(1023, near), number(1023, ones - near)] {

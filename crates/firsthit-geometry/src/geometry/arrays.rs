@@ -1,7 +1,7 @@
 //! `from_fn`, `map` and copies of arrays, for kernels: they are always inlined.
 //!
-//! The standard library's call functions that are not marked to be inlined. In a kernel these stay calls, which are not compiled for its
-//! instruction set.
+//! The standard library's call functions that are not marked to be inlined. In a kernel these stay
+//! calls, which are not compiled for its instruction set.
 
 #![allow(
     clippy::inline_always,

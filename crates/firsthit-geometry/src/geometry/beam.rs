@@ -2,8 +2,9 @@ use super::{Bounds, DVec3, Ray};
 
 /// A box around the origins of some rays, one around their directions, and their parameters.
 ///
-/// The points at a parameter `t` of at least 0 are in the box from `origins.low + t * directions.low` to
-/// `origins.high + t * directions.high`. So where that box and another have nothing in common at any `t`, no ray meets the other.
+/// The points at a parameter `t` of at least 0 are in the box from `origins.low + t *
+/// directions.low` to `origins.high + t * directions.high`. So where that box and another have
+/// nothing in common at any `t`, no ray meets the other.
 #[derive(Debug, Clone, Copy)]
 #[doc(hidden)]
 pub struct Beam {
@@ -33,7 +34,8 @@ impl Beam {
         self.t_max = self.t_max.max(ray.t_max);
     }
 
-    /// Whether no ray begins behind its origin: [`may_meet`](Self::may_meet) is for parameters of at least 0.
+    /// Whether no ray begins behind its origin: [`may_meet`](Self::may_meet) is for parameters of
+    /// at least 0.
     #[inline]
     pub fn is_forward(&self) -> bool {
         self.t_min >= 0.0
@@ -45,7 +47,8 @@ impl Beam {
         low.abs().max(high.abs()).max_element()
     }
 
-    /// Whether any ray of a forward beam may pass within `margin` of a box. False only for a certain miss.
+    /// Whether any ray of a forward beam may pass within `margin` of a box. False only for a
+    /// certain miss.
     #[inline]
     pub fn may_meet(&self, bounds: &Bounds, margin: f64) -> bool {
         let mut range = [self.t_min, self.t_max];

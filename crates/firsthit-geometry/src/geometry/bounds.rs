@@ -47,8 +47,8 @@ impl Bounds {
         self.low.is_finite() && self.high.is_finite()
     }
 
-    /// Whether a ray may pass within `margin` of the box, from its origin, or where it begins if that is before, up to its end. False only
-    /// for a certain miss.
+    /// Whether a ray may pass within `margin` of the box, from its origin, or where it begins if
+    /// that is before, up to its end. False only for a certain miss.
     #[inline]
     #[doc(hidden)]
     pub fn may_be_met(&self, ray: &Ray, margin: f64) -> bool {

@@ -3,7 +3,8 @@ use std::sync::OnceLock;
 use super::DVec3;
 use crate::parallel;
 
-/// A linear colour: red, green, blue with Rec. 709 primaries, 1 being a white surface in full light.
+/// A linear colour: red, green, blue with Rec. 709 primaries, 1 being a white surface in full
+/// light.
 ///
 /// ```
 /// use firsthit::Color;
@@ -19,8 +20,8 @@ pub fn luminance(color: Color) -> f64 {
     color.dot(DVec3::new(0.2126, 0.7152, 0.0722))
 }
 
-/// The sRGB value (0 to 1) of a linear one, by the curve of IEC 61966-2-1. Values outside 0 to 1 are
-/// clamped, NaN becomes 0.
+/// The sRGB value (0 to 1) of a linear one, by the curve of IEC 61966-2-1. Values outside 0 to 1
+/// are clamped, NaN becomes 0.
 pub fn srgb_encode(linear: f64) -> f64 {
     // Not `clamp`, which keeps a NaN.
     let linear = if linear > 0.0 { linear.min(1.0) } else { 0.0 };
@@ -52,7 +53,8 @@ pub fn srgb_decode_level(level: u8) -> f64 {
 mod tests {
     use super::*;
 
-    /// The curve's two branches meet within 4e-8 of each other (IEC 61966-2-1 rounds its constants).
+    /// The curve's two branches meet within 4e-8 of each other (IEC 61966-2-1 rounds its
+    /// constants).
     #[test]
     fn srgb_decodes_what_it_encodes() {
         for k in 0..=1000 {

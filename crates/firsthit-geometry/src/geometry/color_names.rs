@@ -2,8 +2,8 @@
 
 use super::color::{Color, srgb_decode_level};
 
-/// The linear colour that a text names: sRGB as `#rrggbb` or in short as `#rgb`, or one of the names of CSS (CSS
-/// Color Module Level 4), all in any case.
+/// The linear colour that a text names: sRGB as `#rrggbb` or in short as `#rgb`, or one of the
+/// names of CSS (CSS Color Module Level 4), all in any case.
 ///
 /// ```
 /// use firsthit::geometry::{Color, color_of};
@@ -36,8 +36,8 @@ fn linear(levels: u32) -> Color {
     Color::from([red, green, blue].map(srgb_decode_level))
 }
 
-/// The sRGB colour, as `#rrggbb`, that was probably meant by linear numbers which are whole and up to 255, and not
-/// all 0 or 1.
+/// The sRGB colour, as `#rrggbb`, that was probably meant by linear numbers which are whole and up
+/// to 255, and not all 0 or 1.
 ///
 /// ```
 /// use firsthit::geometry::{Color, meant_as_levels};

@@ -1,8 +1,8 @@
 //! Twice the digits: a number as the sum of two float64.
 //!
-//! Sums and products of two float64 are exact that way: Knuth, "The Art of Computer Programming" 2, 4.2.2, theorem C;
-//! Dekker, "A Floating-Point Technique for Extending the Available Precision", Numerische Mathematik 18, 1971, with a fused
-//! multiply-add for the product.
+//! Sums and products of two float64 are exact that way: Knuth, "The Art of Computer Programming" 2,
+//! 4.2.2, theorem C; Dekker, "A Floating-Point Technique for Extending the Available Precision",
+//! Numerische Mathematik 18, 1971, with a fused multiply-add for the product.
 
 #![allow(
     clippy::inline_always,

@@ -43,7 +43,8 @@ pub const fn power(exponent: i32) -> f64 {
 /// four.
 const TERMS: usize = 6 * 8 * 4;
 
-/// The determinant of three vectors times 2^900, in twice the digits. Its sign is exact, and it is zero only where it is zero.
+/// The determinant of three vectors times 2^900, in twice the digits. Its sign is exact, and it is
+/// zero only where it is zero.
 #[inline(always)]
 #[doc(hidden)]
 pub fn determinant(p: &Scaled, q: &Scaled, r: &Scaled) -> Double<f64> {
@@ -53,8 +54,8 @@ pub fn determinant(p: &Scaled, q: &Scaled, r: &Scaled) -> Double<f64> {
     total(&mut terms[..count])
 }
 
-/// Fills `terms` with numbers whose sum is the determinant of three vectors, each times `scale`, without rounding. Returns
-/// how many there are.
+/// Fills `terms` with numbers whose sum is the determinant of three vectors, each times `scale`,
+/// without rounding. Returns how many there are.
 #[inline(always)]
 fn fill_with_terms(terms: &mut [f64; TERMS], [p, q, r]: [&Scaled; 3], scale: f64) -> usize {
     const ORDERS: [([usize; 3], f64); 6] = [
@@ -93,11 +94,13 @@ fn fill_with_terms(terms: &mut [f64; TERMS], [p, q, r]: [&Scaled; 3], scale: f64
     count.min(TERMS)
 }
 
-/// The sum of numbers in twice the digits. Its sign is exact, and it is zero only where the sum is zero.
+/// The sum of numbers in twice the digits. Its sign is exact, and it is zero only where the sum is
+/// zero.
 ///
-/// Adding them up makes of them, without rounding, the sum and what each addition lost, which are far smaller numbers with
-/// the same total; and so on until these cannot matter any more: Ogita, Rump and Oishi, "Accurate sum and dot product",
-/// SIAM Journal on Scientific Computing 26(6), 2005.
+/// Adding them up makes of them, without rounding, the sum and what each addition lost, which are
+/// far smaller numbers with the same total; and so on until these cannot matter any more: Ogita,
+/// Rump and Oishi, "Accurate sum and dot product", SIAM Journal on Scientific Computing 26(6),
+/// 2005.
 #[inline(always)]
 fn total(terms: &mut [f64]) -> Double<f64> {
     let Some(last) = terms.len().checked_sub(1) else {

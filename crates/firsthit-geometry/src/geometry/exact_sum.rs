@@ -1,8 +1,9 @@
 //! Sums of products of float64 numbers without any rounding, whatever their magnitudes.
 //!
-//! A float64 is an integer of 53 bits times a power of two, and a product of three is one of 159 bits. Each product is added to a
-//! fixed-point number whose lowest bit is that of the smallest product and whose highest bit is beyond any sum: Kulisch and
-//! Miranker, "The Arithmetic of the Digital Computer: A New Approach", SIAM Review 28(1), 1986. Positive and negative products are
+//! A float64 is an integer of 53 bits times a power of two, and a product of three is one of 159
+//! bits. Each product is added to a fixed-point number whose lowest bit is that of the smallest
+//! product and whose highest bit is beyond any sum: Kulisch and Miranker, "The Arithmetic of the
+//! Digital Computer: A New Approach", SIAM Review 28(1), 1986. Positive and negative products are
 //! kept apart, so that a sign that changes does not ripple through all words.
 
 use std::cmp::Ordering;
@@ -10,7 +11,8 @@ use std::cmp::Ordering;
 /// The lowest bit is 2 to the power of minus this.
 const LOWEST: i32 = 3 * 1074;
 
-/// Products reach from 2^-3222 up to 2^3072. The bits that are left hold the carries of 2^106 of them.
+/// Products reach from 2^-3222 up to 2^3072. The bits that are left hold the carries of 2^106 of
+/// them.
 const WORDS: usize = 100;
 
 /// A sum of products without rounding.

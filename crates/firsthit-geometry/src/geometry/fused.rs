@@ -1,15 +1,17 @@
 //! `a * b + c` rounded once, where no instruction does that.
 //!
-//! Without such an instruction `f64::mul_add` is a long computation in integers. Here it is one in float64: Boldo and Melquiond,
-//! "Emulation of a FMA and correctly rounded sums: proved algorithms using rounding to odd", IEEE Transactions on Computers
-//! 57(4), 2008, figure 2:
+//! Without such an instruction `f64::mul_add` is a long computation in integers. Here it is one in
+//! float64: Boldo and Melquiond, "Emulation of a FMA and correctly rounded sums: proved algorithms
+//! using rounding to odd", IEEE Transactions on Computers 57(4), 2008, figure 2:
 //!
 //! 1. The product as the sum of two numbers (Dekker 1971; see `product`).
 //! 2. The sum of `c` and the product, as three numbers (Knuth's exact sum, twice).
-//! 3. The two small ones of the three are added, and rounded *to odd*: where that is not exact, to the neighbour whose last bit
-//!    is set. Such a number is never halfway between two of fewer digits, so that the last sum is rounded as the exact one is.
+//! 3. The two small ones of the three are added, and rounded *to odd*: where that is not exact, to
+//!    the neighbour whose last bit is set. Such a number is never halfway between two of fewer
+//!    digits, so that the last sum is rounded as the exact one is.
 //!
-//! It holds while no part of the product is too small for float64 and none overflows; `emulated` checks that.
+//! It holds while no part of the product is too small for float64 and none overflows; `emulated`
+//! checks that.
 
 #[cfg(any(test, target_arch = "wasm32"))]
 use super::arithmetic::{Arithmetic, Scalar};
@@ -39,7 +41,8 @@ pub fn mul_add(a: f64, b: f64, c: f64) -> f64 {
 pub trait RoundToOdd: Arithmetic {
     /// `x` without its sign.
     fn abs(self, x: Self::Number) -> Self::Number;
-    /// The sum of two numbers rounded to odd. `rounded` is the sum rounded to nearest, and `rest` the sum less that.
+    /// The sum of two numbers rounded to odd. `rounded` is the sum rounded to nearest, and `rest`
+    /// the sum less that.
     fn to_odd(self, rounded: Self::Number, rest: Self::Number) -> Self::Number;
 }
 
@@ -69,7 +72,8 @@ const MOST: f64 = f64::from_bits((1023 + 500) << 52);
 #[cfg(any(test, target_arch = "wasm32"))]
 const LEAST: f64 = f64::from_bits((1023 - 900) << 52);
 
-/// `a * b + c`, rounded once, in every lane; `None` where some lane's numbers are too large or too small for that.
+/// `a * b + c`, rounded once, in every lane; `None` where some lane's numbers are too large or too
+/// small for that.
 #[cfg(any(test, target_arch = "wasm32"))]
 #[inline]
 #[doc(hidden)]
@@ -82,7 +86,8 @@ pub fn emulated<A: RoundToOdd>(
     let product = product(of, a, b);
     let zero = of.number(0.0);
     let [of_a, of_b, of_c] = [of.abs(a), of.abs(b), of.abs(c)];
-    // A product with zero is exact. Where something is NaN, so is the result, whatever is found here.
+    // A product with zero is exact. Where something is NaN, so is the result, whatever is found
+    // here.
     let is_nonzero = of.lt(zero, of_a) & of.lt(zero, of_b);
     let size = of.select(is_nonzero, of.abs(product.high), of.number(1.0));
     let largest = of.max(of.max(of_a, of_b), of_c);
@@ -100,8 +105,8 @@ pub fn emulated<A: RoundToOdd>(
     Some(of.select(of.lt(zero, of.abs(fused)), fused, plain))
 }
 
-/// `a * b`, exactly, from the products of halves of 26 digits: Dekker, "A Floating-Point Technique for Extending the Available
-/// Precision", Numerische Mathematik 18, 1971.
+/// `a * b`, exactly, from the products of halves of 26 digits: Dekker, "A Floating-Point Technique
+/// for Extending the Available Precision", Numerische Mathematik 18, 1971.
 #[cfg(any(test, target_arch = "wasm32"))]
 #[inline]
 fn product<A: Arithmetic>(of: A, a: A::Number, b: A::Number) -> Double<A::Number> {
@@ -145,8 +150,8 @@ mod tests {
         true
     }
 
-    /// Sums that are hard to round: of the product and a number that nearly cancels it, lies as far from it as float64 has
-    /// digits, or leaves half a unit.
+    /// Sums that are hard to round: of the product and a number that nearly cancels it, lies as far
+    /// from it as float64 has digits, or leaves half a unit.
     fn check_around(a: f64, b: f64, near: i64) -> usize {
         let product = a * b;
         let rest = a.mul_add(b, -product);

@@ -1,12 +1,12 @@
 use super::{DVec2, DVec3, Ray, unit};
 
-/// The rays of a camera with a flat viewplane, one for each pixel: all of them follow from a row and a column, and neighbours
-/// are close to each other.
+/// The rays of a camera with a flat viewplane, one for each pixel: all of them follow from a row
+/// and a column, and neighbours are close to each other.
 ///
-/// The point of the viewplane for row `i`, counted from the bottom, and column `j` is
-/// `toward + (-width / 2 + width / columns * (j + x)) * right + (-height / 2 + height / rows * (i + y)) *
-/// upwards`, from `position` on, where (x, y) is the `offset`. This is the one formula for pixels: cameras, tiles and what
-/// fits a grid to an array of rays all use it.
+/// The point of the viewplane for row `i`, counted from the bottom, and column `j` is `toward +
+/// (-width / 2 + width / columns * (j + x)) * right + (-height / 2 + height / rows * (i + y)) *
+/// upwards`, from `position` on, where (x, y) is the `offset`. This is the one formula for pixels:
+/// cameras, tiles and what fits a grid to an array of rays all use it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PixelGrid {
     /// Pixels down and across.
@@ -29,7 +29,8 @@ pub struct PixelGrid {
     pub width: f64,
     /// See `width`.
     pub height: f64,
-    /// The direction of all rays, if they are parallel; else they run from `position` through the viewplane.
+    /// The direction of all rays, if they are parallel; else they run from `position` through the
+    /// viewplane.
     pub parallel: Option<DVec3>,
     /// Whether rays start on the viewplane, not at the camera.
     pub starts_on_viewplane: bool,
@@ -66,8 +67,8 @@ impl PixelGrid {
         -self.height / 2.0 + self.size()[1] * (from_bottom + self.offset.y)
     }
 
-    /// The point of the viewplane that the ray of a pixel goes through, relative to `position`: far from the world's origin
-    /// it would drown in the rounding of world coordinates.
+    /// The point of the viewplane that the ray of a pixel goes through, relative to `position`: far
+    /// from the world's origin it would drown in the rounding of world coordinates.
     #[inline]
     pub fn point(&self, row: usize, column: usize) -> DVec3 {
         self.toward + self.x(column) * self.right + self.y(row) * self.upwards
@@ -91,8 +92,8 @@ impl PixelGrid {
         Ray::new(self.position + start, direction)
     }
 
-    /// Fills `rays` with those from the pixel `first` on, pixels counted row by row: the same as [`ray`](Self::ray) gives,
-    /// sooner than one by one.
+    /// Fills `rays` with those from the pixel `first` on, pixels counted row by row: the same as
+    /// [`ray`](Self::ray) gives, sooner than one by one.
     pub fn read(&self, first: usize, rays: &mut [Ray]) {
         let [width, _] = self.size();
         let (mut row, mut column) = (first / self.columns, first % self.columns);

@@ -1,4 +1,5 @@
-//! Rays, hits, boxes, transforms, colours and how they are shown. Imports `error` and `parallel` alone of this crate; glam is the vector maths.
+//! Rays, hits, boxes, transforms, colours and how they are shown. Imports `error` and `parallel`
+//! alone of this crate; glam is the vector maths.
 
 #![allow(
     clippy::inline_always,
@@ -74,7 +75,8 @@ use std::cmp::Ordering;
 
 pub use glam::{DAffine3, DMat3, DQuat, DVec2, DVec3};
 
-/// `v` at length one, or NaN for the zero vector. Any length from the smallest float64 to the largest will do.
+/// `v` at length one, or NaN for the zero vector. Any length from the smallest float64 to the
+/// largest will do.
 #[inline(always)]
 pub fn unit(v: DVec3) -> DVec3 {
     let v = moderation(v) * v;

@@ -1,7 +1,7 @@
 //! Enums whose variants have names.
 
-/// Makes an enum of named variants, and everything that depends on the list of names. `$what` is what a name that is none of
-/// them is refused as.
+/// Makes an enum of named variants, and everything that depends on the list of names. `$what` is
+/// what a name that is none of them is refused as.
 #[doc(hidden)]
 #[macro_export]
 macro_rules! named {

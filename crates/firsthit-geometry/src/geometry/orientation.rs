@@ -1,7 +1,8 @@
 //! The side of a line or a plane on which a point is: exact, whatever the magnitudes.
 //!
-//! Float64 decides where an error bound allows it, after Shewchuk, "Adaptive Precision Floating-Point Arithmetic and Fast Robust
-//! Geometric Predicates", Discrete & Computational Geometry 18(3), 1997; else a sum without rounding ([`ExactSum`]).
+//! Float64 decides where an error bound allows it, after Shewchuk, "Adaptive Precision
+//! Floating-Point Arithmetic and Fast Robust Geometric Predicates", Discrete & Computational
+//! Geometry 18(3), 1997; else a sum without rounding ([`ExactSum`]).
 
 use std::cmp::Ordering;
 
@@ -72,8 +73,8 @@ pub fn add_determinant(sum: &mut ExactSum, [p, q, r]: [DVec3; 3], sign: f64) {
     }
 }
 
-/// Whether a direction is along a triangle's normal, greater, or against it. Equal if it is in the triangle's plane, or that has no
-/// area. All must be finite.
+/// Whether a direction is along a triangle's normal, greater, or against it. Equal if it is in the
+/// triangle's plane, or that has no area. All must be finite.
 #[doc(hidden)]
 pub fn along_normal([a, b, c]: [DVec3; 3], direction: DVec3) -> Ordering {
     let (e, f) = (b - a, c - a);

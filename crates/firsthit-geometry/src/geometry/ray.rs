@@ -1,6 +1,7 @@
 use super::{DVec3, PixelGrid, RayFilter};
 
-/// The points `origin + t * direction` with `t_min < t <= t_max`, in world space unless said otherwise.
+/// The points `origin + t * direction` with `t_min < t <= t_max`, in world space unless said
+/// otherwise.
 ///
 /// `direction` need not be of length one: `t` is in units of its length, a distance only when that
 /// is one (as it is for every camera's rays).
@@ -70,8 +71,9 @@ impl Ray {
         self.t_min == 0.0 && self.t_max == f64::INFINITY
     }
 
-    /// Whether this ray can meet anything: its origin's coordinates from -10^150 to 10^150, its direction finite and not zero, `t_max` above
-    /// `t_min`, and positive unless that is negative. Any other ray is a miss, and only that.
+    /// Whether this ray can meet anything: its origin's coordinates from -10^150 to 10^150, its
+    /// direction finite and not zero, `t_max` above `t_min`, and positive unless that is negative.
+    /// Any other ray is a miss, and only that.
     #[inline]
     pub fn is_valid(&self) -> bool {
         // Written so that a NaN fails.
@@ -105,8 +107,8 @@ pub trait Rays: Sync {
     /// The ray `index`, below [`Rays::len`].
     fn ray(&self, index: usize) -> Ray;
 
-    /// Fills `rays` with those from `first` on, at most up to [`Rays::len`]: what [`Rays::ray`] gives, sooner than one by
-    /// one.
+    /// Fills `rays` with those from `first` on, at most up to [`Rays::len`]: what [`Rays::ray`]
+    /// gives, sooner than one by one.
     fn read(&self, first: usize, rays: &mut [Ray]) {
         if let Some(grid) = self.grid() {
             return grid.read(first, rays);
@@ -116,8 +118,8 @@ pub trait Rays: Sync {
         }
     }
 
-    /// The rays as a slice, if they are one: its element `index` is that of [`Rays::ray`]. Rays are prefetched from it. A
-    /// view that reorders or changes rays returns `None`.
+    /// The rays as a slice, if they are one: its element `index` is that of [`Rays::ray`]. Rays are
+    /// prefetched from it. A view that reorders or changes rays returns `None`.
     fn array(&self) -> Option<&[Ray]> {
         None
     }
@@ -134,25 +136,26 @@ pub trait Rays: Sync {
         None
     }
 
-    /// Rows and columns, if the rays all start in one point and are those of a picture, row by row, whose neighbours go nearly the
-    /// same way, though through no flat grid of pixels: those of a fisheye, say. Then they are shot in tiles too. Asked for where
-    /// there is no [`Rays::grid`].
+    /// Rows and columns, if the rays all start in one point and are those of a picture, row by row,
+    /// whose neighbours go nearly the same way, though through no flat grid of pixels: those of a
+    /// fisheye, say. Then they are shot in tiles too. Asked for where there is no [`Rays::grid`].
     ///
-    /// Then [`Rays::ray`] gives rays with neither `t_min` nor `t_max`, whose directions have lengths between 1e-80 and 1e80. One
-    /// whose direction is zero or NaN is a miss.
+    /// Then [`Rays::ray`] gives rays with neither `t_min` nor `t_max`, whose directions have
+    /// lengths between 1e-80 and 1e80. One whose direction is zero or NaN is a miss.
     fn picture(&self) -> Option<[usize; 2]> {
         None
     }
 
-    /// Fills the slices with x, y and z of the directions from `first` on, all in one row of the [`Rays::picture`]: what
-    /// [`Rays::ray`] gives, sooner than one by one.
+    /// Fills the slices with x, y and z of the directions from `first` on, all in one row of
+    /// the [`Rays::picture`]: what [`Rays::ray`] gives, sooner than one by one.
     fn read_directions(&self, first: usize, [x, y, z]: [&mut [f64]; 3]) {
         for (index, ((x, y), z)) in (first..).zip(x.iter_mut().zip(y).zip(z)) {
             (*x, *y, *z) = self.ray(index).direction.into();
         }
     }
 
-    /// Whether some of the rays do not meet everything. They are traced in packets or one by one then, never in tiles.
+    /// Whether some of the rays do not meet everything. They are traced in packets or one by one
+    /// then, never in tiles.
     fn is_filtered(&self) -> bool {
         false
     }

@@ -52,8 +52,8 @@ impl Side {
     }
 }
 
-/// The point of a surface that a ray leaves: in a triangle the point with these weights, exactly; on any other shape the ray's
-/// origin.
+/// The point of a surface that a ray leaves: in a triangle the point with these weights, exactly;
+/// on any other shape the ray's origin.
 ///
 /// ```
 /// use std::sync::Arc;
@@ -86,8 +86,9 @@ pub struct Departure {
     /// finite counts as 0, and so does one that moves the point by less than it is rounded, so that
     /// a point next to an edge or a vertex is on it.
     pub barycentric: DVec2,
-    /// The side of the surface that the ray starts on, if it starts on one. At an edge or a vertex of an open mesh a ray that goes from
-    /// this side into one of the triangles around it is stopped there. `None`: it goes through.
+    /// The side of the surface that the ray starts on, if it starts on one. At an edge or a vertex
+    /// of an open mesh a ray that goes from this side into one of the triangles around it is
+    /// stopped there. `None`: it goes through.
     pub side: Option<Side>,
 }
 
@@ -112,17 +113,20 @@ pub struct RayFilter {
     pub only: Option<i32>,
     /// The ray does not meet this side of any surface.
     pub cull: Option<Side>,
-    /// The ray does not meet these: the first where it starts, the second where it ends, at `t = 1`.
+    /// The ray does not meet these: the first where it starts, the second where it ends, at `t =
+    /// 1`.
     ///
-    /// A triangle is not met at all. Of another shape, only the crossing that is nearest to the ray's start (or its end)
-    /// is left out, for a line crosses a ball twice.
+    /// A triangle is not met at all. Of another shape, only the crossing that is nearest to the
+    /// ray's start (or its end) is left out, for a line crosses a ball twice.
     pub skip: [Option<SurfaceId>; 2],
-    /// The ray starts at a point of this surface, and meets only what is ahead of that point, in exact arithmetic: neither the
-    /// surface, nor its neighbours where they touch it at the start. All else is met, however near.
+    /// The ray starts at a point of this surface, and meets only what is ahead of that point, in
+    /// exact arithmetic: neither the surface, nor its neighbours where they touch it at the start.
+    /// All else is met, however near.
     ///
-    /// The ray's origin is that point, rounded to float64. That is so for a triangle and all meshes of the same transform. Other transforms
-    /// round, and other shapes are met with rounding: from there, what is nearer than 2^-40 of the largest coordinate, of the start
-    /// and of both objects, is not met.
+    /// The ray's origin is that point, rounded to float64. That is so for a triangle and all meshes
+    /// of the same transform. Other transforms round, and other shapes are met with rounding: from
+    /// there, what is nearer than 2^-40 of the largest coordinate, of the start and of both
+    /// objects, is not met.
     pub departure: Option<Departure>,
 }
 

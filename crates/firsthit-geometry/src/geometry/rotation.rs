@@ -1,7 +1,7 @@
 use super::{DMat3, DVec3, unit};
 
-/// The rotation about an axis of any length but zero; seen against it, it is counter-clockwise. Quarter turns about the axes of
-/// coordinates are exact.
+/// The rotation about an axis of any length but zero; seen against it, it is counter-clockwise.
+/// Quarter turns about the axes of coordinates are exact.
 ///
 /// ```
 /// use firsthit::DVec3;
@@ -18,7 +18,8 @@ pub fn rotation(axis: DVec3, degrees: f64) -> DMat3 {
     DMat3::from_diagonal(DVec3::splat(cos)) + across * sin + along * (1.0 - cos)
 }
 
-/// The rotation that takes +y the shortest way to `up`, of any length but zero; straight down it is half a turn about +x.
+/// The rotation that takes +y the shortest way to `up`, of any length but zero; straight down it is
+/// half a turn about +x.
 #[doc(hidden)]
 pub fn upright(up: DVec3) -> DMat3 {
     let up = unit(up);

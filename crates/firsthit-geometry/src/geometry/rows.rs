@@ -1,5 +1,6 @@
-//! Structures of arrays: the numbers of many points, a row for each number. The compiler turns a loop over a row into lanes of the
-//! instruction set if everything that the loop calls is inlined and the loop is short. So a computation is split into several loops.
+//! Structures of arrays: the numbers of many points, a row for each number. The compiler turns a
+//! loop over a row into lanes of the instruction set if everything that the loop calls is inlined
+//! and the loop is short. So a computation is split into several loops.
 
 use super::{DVec2, DVec3};
 

@@ -1,4 +1,5 @@
-//! Values with names: what files, the command line, Python and metadata say of lights, shaders, materials and lenses.
+//! Values with names: what files, the command line, Python and metadata say of lights, shaders,
+//! materials and lenses.
 
 use std::borrow::Cow;
 use std::f64::consts::{FRAC_PI_2, PI};
@@ -191,7 +192,8 @@ impl Domain {
         }
     }
 
-    /// The value that a text says: `true`, `0.5`, `1,2,3`, or of a colour its name in CSS or `#rrggbb`.
+    /// The value that a text says: `true`, `0.5`, `1,2,3`, or of a colour its name in CSS or
+    /// `#rrggbb`.
     pub fn parsed(self, text: &str) -> Option<Value> {
         let number = |text: &str| text.trim().parse::<f64>().ok();
         match self {
@@ -370,11 +372,13 @@ macro_rules! kinds {
             /// Every kind's name.
             pub const NAMES: &[&'static str] = &[$($name),*];
 
-            /// One of this name, with its default settings. Those that have to be given are there only to be replaced.
+            /// One of this name, with its default settings. Those that have to be given are there
+            /// only to be replaced.
             ///
             /// # Errors
             ///
-            /// [`Error::Argument`](crate::error::Error::Argument) for a name that is not in the list.
+            /// [`Error::Argument`](crate::error::Error::Argument) for a name that is not in the
+            /// list.
             pub fn named(name: &str) -> $crate::error::Result<Self> {
                 match name {
                     $($name => Ok(Self::$kind(<$settings>::default())),)*
@@ -385,12 +389,13 @@ macro_rules! kinds {
                 }
             }
 
-            /// One of this name with these settings, by their names; the others have their defaults.
+            /// One of this name with these settings, by their names; the others have their
+            /// defaults.
             ///
             /// # Errors
             ///
-            /// [`Error::Argument`](crate::error::Error::Argument) for a name that is not in the list, for a setting that it does not have, and
-            /// for a value that makes no sense.
+            /// [`Error::Argument`](crate::error::Error::Argument) for a name that is not in the
+            /// list, for a setting that it does not have, and for a value that makes no sense.
             pub fn from_settings<'a>(
                 name: &str,
                 settings: impl IntoIterator<Item = (&'a str, $crate::geometry::Value)>,
@@ -421,7 +426,8 @@ macro_rules! kinds {
             ///
             /// # Errors
             ///
-            /// [`Error::Argument`](crate::error::Error::Argument) for a name that it does not have, and for a value that makes no sense.
+            /// [`Error::Argument`](crate::error::Error::Argument) for a name that it does not have,
+            /// and for a value that makes no sense.
             pub fn set(&mut self, name: &str, value: $crate::geometry::Value) -> $crate::error::Result<()> {
                 match self { $(Self::$kind(one) => $crate::geometry::Settings::set(one, name, value),)* }
             }

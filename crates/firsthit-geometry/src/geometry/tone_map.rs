@@ -27,7 +27,8 @@ named! {
     "neutral" => Neutral;
     /// Troy Sobotka's AgX: highlights lose their colour gradually, as on film.
     "agx" => Agx;
-    /// Stephen Hill's fit of the ACES reference rendering and sRGB output transforms: more contrast.
+    /// Stephen Hill's fit of the ACES reference rendering and sRGB output transforms: more
+    /// contrast.
     "aces" => Aces;
 }
 
@@ -35,7 +36,8 @@ named! {
 const BRIGHTEST: f64 = 1e100;
 
 impl ToneMap {
-    /// The linear colour that is shown for a linear one: each component from 0 to 1. Negative components and NaN count as 0.
+    /// The linear colour that is shown for a linear one: each component from 0 to 1. Negative
+    /// components and NaN count as 0.
     pub fn apply(self, color: Color) -> Color {
         let color = color.to_array().map(bounded).into();
         let shown = match self {

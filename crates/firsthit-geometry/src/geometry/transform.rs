@@ -39,8 +39,8 @@ impl Transform {
     ///
     /// # Errors
     ///
-    /// [`Error::Argument`] when the map flattens space to working precision (what float64 finds as its
-    /// inverse does not undo it) or holds a NaN or an infinity.
+    /// [`Error::Argument`] when the map flattens space to working precision (what float64 finds as
+    /// its inverse does not undo it) or holds a NaN or an infinity.
     pub fn new(world_from_object: DAffine3) -> Result<Self> {
         let object_from_world = world_from_object.inverse();
         let (there, back) = (world_from_object.matrix3, object_from_world.matrix3);
@@ -121,7 +121,8 @@ impl Transform {
             return *ray;
         }
         Ray {
-            // The translation first: far from the world's origin it would cancel what the matrix rounds.
+            // The translation first: far from the world's origin it would cancel what the matrix
+            // rounds.
             origin: self.object_from_world * (ray.origin - self.world_from_object.translation),
             direction: self.object_from_world * ray.direction,
             t_min: ray.t_min,
@@ -138,9 +139,11 @@ impl Transform {
         self.world_from_object.transform_point3(point)
     }
 
-    /// An object-space normal in the world, of length one if `normal` is. (Without a transform it is `normal` as it stands.)
+    /// An object-space normal in the world, of length one if `normal` is. (Without a transform it
+    /// is `normal` as it stands.)
     ///
-    /// It goes by the inverse transpose, not by the cofactors: so a mirrored object keeps its outside.
+    /// It goes by the inverse transpose, not by the cofactors: so a mirrored object keeps its
+    /// outside.
     #[inline(always)]
     pub fn normal_in_world(&self, normal: DVec3) -> DVec3 {
         if self.is_identity() {

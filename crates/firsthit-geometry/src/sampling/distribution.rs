@@ -1,7 +1,8 @@
-//! Choices with given weights, by inversion of the cumulative distribution: the chosen one is that whose interval of the cumulative
-//! sums a number falls into, found by halving (Devroye, "Non-Uniform Random Variate Generation", 1986, chapter III.2). In a grid a row
-//! is chosen by the sums of rows, and then a cell by those within the row (Pharr, Jakob and Humphreys, "Physically Based Rendering",
-//! 4th edition, 2023, appendix A).
+//! Choices with given weights, by inversion of the cumulative distribution: the chosen one is that
+//! whose interval of the cumulative sums a number falls into, found by halving (Devroye,
+//! "Non-Uniform Random Variate Generation", 1986, chapter III.2). In a grid a row is chosen by the
+//! sums of rows, and then a cell by those within the row (Pharr, Jakob and Humphreys, "Physically
+//! Based Rendering", 4th edition, 2023, appendix A).
 
 use crate::geometry::DVec2;
 
@@ -111,7 +112,8 @@ fn weight(sums: &[f64], index: usize) -> f64 {
     sums[index] - before(sums, index)
 }
 
-/// The first whose sum is above the share `u` of all, so one whose sum is above that of the one before.
+/// The first whose sum is above the share `u` of all, so one whose sum is above that of the one
+/// before.
 fn choose(sums: &[f64], u: f64) -> Choice {
     let total = last(sums);
     let place = (u * total).min(total.next_down()).max(0.0);

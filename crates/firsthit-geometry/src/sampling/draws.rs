@@ -1,15 +1,19 @@
-//! Numbers from 0 to 1 that are evenly spread over a pixel's samples: the sequence of Sobol', with Owen's scrambling.
+//! Numbers from 0 to 1 that are evenly spread over a pixel's samples: the sequence of Sobol', with
+//! Owen's scrambling.
 //!
-//! 1. A pixel's samples are numbered. The sequence has four coordinates for each (Joe and Kuo, "Constructing Sobol sequences with
-//!    better two-dimensional projections", SIAM Journal on Scientific Computing 30(5), 2008).
-//! 2. A shader that needs more takes several sets of four. Each set goes through the sequence in an order of its own, and each of its
-//!    coordinates is scrambled on its own. Both are Owen's nested uniform scrambling, whose permutations are hashes (Burley, "Practical
-//!    Hash-based Owen Scrambling", Journal of Computer Graphics Techniques 9(4), 2020).
-//! 3. What is hashed is the pixel, the set and the coordinate. So a number depends on nothing but these and the sample: not on the
-//!    order of the work, and not on how many samples there will be.
+//! 1. A pixel's samples are numbered. The sequence has four coordinates for each (Joe and Kuo,
+//!    "Constructing Sobol sequences with better two-dimensional projections", SIAM Journal on
+//!    Scientific Computing 30(5), 2008).
+//! 2. A shader that needs more takes several sets of four. Each set goes through the sequence in an
+//!    order of its own, and each of its coordinates is scrambled on its own. Both are Owen's nested
+//!    uniform scrambling, whose permutations are hashes (Burley, "Practical Hash-based Owen
+//!    Scrambling", Journal of Computer Graphics Techniques 9(4), 2020).
+//! 3. What is hashed is the pixel, the set and the coordinate. So a number depends on nothing but
+//!    these and the sample: not on the order of the work, and not on how many samples there will
+//!    be.
 //!
-//! Of any 2^m samples from a multiple of 2^m on, each interval of 1 / 2^m has one, in each coordinate; and each rectangle of that area
-//! has one in the first two.
+//! Of any 2^m samples from a multiple of 2^m on, each interval of 1 / 2^m has one, in each
+//! coordinate; and each rectangle of that area has one in the first two.
 
 use super::sobol;
 use crate::geometry::DVec2;
@@ -39,8 +43,8 @@ impl Draws {
         Self { pixel, sample, set }
     }
 
-    /// Numbers that are as good as independent of those without `branch`, and of those with another: for work in which one ray
-    /// becomes several.
+    /// Numbers that are as good as independent of those without `branch`, and of those with
+    /// another: for work in which one ray becomes several.
     #[inline(always)]
     pub fn split(self, branch: u64) -> Self {
         let pixel = mixed(self.pixel ^ mixed(branch));
@@ -86,7 +90,8 @@ impl Draws {
         let seed = mixed(self.pixel.wrapping_mul(0xd134_2543_de82_ef95) ^ u64::from(self.set));
         self.set = self.set.wrapping_add(1);
         let [low, high] = halves(seed);
-        // Nested scrambling acts on the bits from the highest down; as `permuted` goes up, numbers are kept reversed.
+        // Nested scrambling acts on the bits from the highest down; as `permuted` goes up, numbers
+        // are kept reversed.
         let index = permuted(self.sample.reverse_bits(), low).reverse_bits();
         let mut numbers = [0.0; N];
         for (axis, number) in numbers.iter_mut().enumerate() {
@@ -106,7 +111,8 @@ pub fn key(numbers: impl IntoIterator<Item = f64>) -> u64 {
     numbers.fold(0, |key, number| mixed(key ^ number.to_bits()))
 }
 
-/// The steps of `SplitMix64` (Steele, Lea and Flood, "Fast Splittable Pseudorandom Number Generators", OOPSLA 2014), with Stafford's constants.
+/// The steps of `SplitMix64` (Steele, Lea and Flood, "Fast Splittable Pseudorandom Number
+/// Generators", OOPSLA 2014), with Stafford's constants.
 #[inline(always)]
 fn mixed(mut x: u64) -> u64 {
     x = x.wrapping_add(0x9e37_79b9_7f4a_7c15);
@@ -129,8 +135,9 @@ fn hashed(mut x: u32) -> u32 {
     x ^ (x >> 16)
 }
 
-/// A permutation in which each bit depends on the seed and on the bits below it alone: Owen's scrambling of reversed numbers. The form
-/// is that of Laine and Karras ("Stratified Sampling for Stochastic Transparency", EGSR 2011), with constants by Vegdahl.
+/// A permutation in which each bit depends on the seed and on the bits below it alone: Owen's
+/// scrambling of reversed numbers. The form is that of Laine and Karras ("Stratified Sampling for
+/// Stochastic Transparency", EGSR 2011), with constants by Vegdahl.
 #[inline(always)]
 fn permuted(mut x: u32, seed: u32) -> u32 {
     x ^= x.wrapping_mul(0x3d20_adea);
@@ -197,7 +204,8 @@ mod tests {
         (0..count).map(each).collect()
     }
 
-    /// Joe and Kuo's table begins so: 0, 1/2, 3/4, 1/4, ... in the coordinates 0 to 3, in the order of indices.
+    /// Joe and Kuo's table begins so: 0, 1/2, 3/4, 1/4, ... in the coordinates 0 to 3, in the order
+    /// of indices.
     #[test]
     fn the_sequence_is_that_of_joe_and_kuo() {
         let point = |index: u32| {
@@ -250,7 +258,8 @@ mod tests {
         }
     }
 
-    /// The mean of products of two coordinates that do not depend on each other is 1/4: of sets, pixels and branches.
+    /// The mean of products of two coordinates that do not depend on each other is 1/4: of sets,
+    /// pixels and branches.
     #[test]
     fn sets_pixels_and_branches_do_not_depend_on_each_other() {
         const COUNT: u32 = 1 << 14;

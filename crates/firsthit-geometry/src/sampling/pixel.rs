@@ -3,13 +3,15 @@
 use super::{sobol, warp};
 use crate::geometry::{DVec2, PixelGrid};
 
-/// The point of every pixel that its ray `sample` goes through, each coordinate from 0 up to 1. The first is the centre.
+/// The point of every pixel that its ray `sample` goes through, each coordinate from 0 up to 1. The
+/// first is the centre.
 ///
-/// It is the same for all pixels, so that each sample of a picture is a grid of rays; samples are added up as in Haeberli and
-/// Akeley, "The Accumulation Buffer", SIGGRAPH 1990. The points are the (0,2)-sequence of Sobol', scrambled (Kollig and Keller,
-/// "Efficient Multidimensional Sampling", Computer Graphics Forum 21(3), 2002): of 2^m of them each rectangle of 1 / 2^m of the
-/// pixel with sides 1 / 2^k has one, and none depends on how many there will be. It departs in the first point, which would be at
-/// two thirds of the sides.
+/// It is the same for all pixels, so that each sample of a picture is a grid of rays; samples are
+/// added up as in Haeberli and Akeley, "The Accumulation Buffer", SIGGRAPH 1990. The points are the
+/// (0,2)-sequence of Sobol', scrambled (Kollig and Keller, "Efficient Multidimensional Sampling",
+/// Computer Graphics Forum 21(3), 2002): of 2^m of them each rectangle of 1 / 2^m of the pixel with
+/// sides 1 / 2^k has one, and none depends on how many there will be. It departs in the first
+/// point, which would be at two thirds of the sides.
 #[doc(hidden)]
 pub fn offset(sample: u32) -> DVec2 {
     if sample == 0 {
@@ -19,14 +21,16 @@ pub fn offset(sample: u32) -> DVec2 {
     DVec2::new(scrambled(sample.reverse_bits()), scrambled(second))
 }
 
-/// The point of the lens that the rays of a sample come from, in the disc of radius one. The first is the middle.
+/// The point of the lens that the rays of a sample come from, in the disc of radius one. The first
+/// is the middle.
 ///
-/// These are two more dimensions of Sobol's sequence, scrambled as those of [`offset`], so that the points of the pixel and of the
-/// lens are well distributed together. Their direction numbers are chosen for that: of 2, 4, 8, 16 and 32 points each rectangle of the
-/// square of that share of its area has one. The square becomes the disc by [`warp::disc`].
+/// These are two more dimensions of Sobol's sequence, scrambled as those of [`offset`], so that the
+/// points of the pixel and of the lens are well distributed together. Their direction numbers are
+/// chosen for that: of 2, 4, 8, 16 and 32 points each rectangle of the square of that share of its
+/// area has one. The square becomes the disc by [`warp::disc`].
 ///
-/// The sequence departs in its first point, as `offset` does. Distances and identifiers are those of the first sample, so it is
-/// a pinhole's; the mean over n samples counts it once.
+/// The sequence departs in its first point, as `offset` does. Distances and identifiers are those
+/// of the first sample, so it is a pinhole's; the mean over n samples counts it once.
 #[doc(hidden)]
 pub fn on_lens(sample: u32) -> DVec2 {
     if sample == 0 {
@@ -38,8 +42,8 @@ pub fn on_lens(sample: u32) -> DVec2 {
 
 /// A coordinate from its bits, in units of 2^-32.
 fn scrambled(bits: u32) -> f64 {
-    /// Two thirds in binary: so that of 2^m points each is a third or two thirds into its interval, and their mean is the middle,
-    /// nearly.
+    /// Two thirds in binary: so that of 2^m points each is a third or two thirds into its interval,
+    /// and their mean is the middle, nearly.
     const SCRAMBLE: u32 = 0xaaaa_aaaa;
     f64::from(bits ^ SCRAMBLE) / 4_294_967_296.0
 }
@@ -102,8 +106,8 @@ mod tests {
         }
     }
 
-    /// A star in the square of a pixel has its own share of points of the lens: each quarter of a pixel's samples is spread over the
-    /// lens, and the other way round.
+    /// A star in the square of a pixel has its own share of points of the lens: each quarter of a
+    /// pixel's samples is spread over the lens, and the other way round.
     #[test]
     fn points_of_the_pixel_and_of_the_lens_do_not_depend_on_each_other() {
         let quarter = |point: DVec2, middle: f64| {

@@ -1,8 +1,9 @@
 //! The sequence of Sobol': the direction numbers of its dimensions.
 
-/// The direction numbers of a dimension, in units of 2^-32, from a primitive polynomial over two elements and the first `degree`
-/// numbers: the recurrence of Bratley and Fox, "Algorithm 659", ACM Transactions on Mathematical Software 14(1), 1988. `inner` has the
-/// polynomial's coefficients between the first and the last, that of the highest power first.
+/// The direction numbers of a dimension, in units of 2^-32, from a primitive polynomial over two
+/// elements and the first `degree` numbers: the recurrence of Bratley and Fox, "Algorithm 659", ACM
+/// Transactions on Mathematical Software 14(1), 1988. `inner` has the polynomial's coefficients
+/// between the first and the last, that of the highest power first.
 pub(super) const fn directions(degree: usize, inner: u32, first: [u32; 3]) -> [u32; 32] {
     let mut numbers = [0_u32; 32];
     let mut k = 0;
@@ -32,7 +33,8 @@ pub(super) const SECOND: [u32; 32] = directions(1, 0, [1, 0, 0]);
 mod tests {
     use super::*;
 
-    /// Row k of the triangle has an odd number in place j where all bits of j are bits of k (Lucas).
+    /// Row k of the triangle has an odd number in place j where all bits of j are bits of k
+    /// (Lucas).
     #[test]
     fn the_second_dimension_is_pascal_s_triangle_even_or_odd() {
         for (k, number) in (0_u32..).zip(SECOND) {

@@ -1,4 +1,5 @@
-//! Maps from the unit square to other sets. Each keeps shares of areas, so that even samples stay even.
+//! Maps from the unit square to other sets. Each keeps shares of areas, so that even samples stay
+//! even.
 
 use std::f64::consts::{FRAC_PI_4, PI};
 
@@ -21,9 +22,10 @@ pub fn disc(u: DVec2) -> DVec2 {
     if is_along_x { DVec2::new(along, across) } else { DVec2::new(across, along) }
 }
 
-/// Sine and cosine of an angle of an eighth of a turn at most: Taylor's series up to x^15 and x^16, of which what is left out is below
-/// 2^-54. It takes a fraction of the time of `libm`, which has to reduce angles of any size. Terms are summed in pairs (Estrin's scheme), so
-/// that few of them wait for each other.
+/// Sine and cosine of an angle of an eighth of a turn at most: Taylor's series up to x^15 and x^16,
+/// of which what is left out is below 2^-54. It takes a fraction of the time of `libm`, which has
+/// to reduce angles of any size. Terms are summed in pairs (Estrin's scheme), so that few of them
+/// wait for each other.
 #[inline(always)]
 fn sin_cos(x: f64) -> [f64; 2] {
     /// 1 / first!, -1 / (first + 2)!, ...
@@ -68,7 +70,8 @@ pub fn cosine_hemisphere(u: DVec2) -> DVec3 {
 #[doc(hidden)]
 pub fn cap(u: DVec2, height: f64) -> DVec3 {
     let point = disc(u);
-    // A zone's area is in proportion to its height (Archimedes), so the square of the disc's radius is the height.
+    // A zone's area is in proportion to its height (Archimedes), so the square of the disc's radius
+    // is the height.
     let squared = point.length_squared();
     let below = squared * height;
     let stretched = (height * (2.0 - below)).max(0.0).sqrt();

@@ -53,8 +53,8 @@ impl ChannelColors {
         }
     }
 
-    /// Fills `bytes`, as many as [`bytes`](Self::bytes) for every element, from `values`, `components` for every
-    /// element.
+    /// Fills `bytes`, as many as [`bytes`](Self::bytes) for every element, from `values`,
+    /// `components` for every element.
     pub(super) fn apply(&self, values: &[f64], components: usize, bytes: &mut [u8]) {
         match self {
             Self::Color(tones) => return tones.apply(values, bytes),
@@ -199,9 +199,10 @@ impl Range {
 
 /// The mapping from the distances of a channel to the colour scale.
 ///
-/// On a linear scale a ground that runs to the horizon takes nearly all colours, and the objects on it look alike. So
-/// the colour depends on `1 / (1 + x)`, where `x` is 0 at the nearest distance and 1 at the median: the nearer half of
-/// the pixels gets about half of the colours, however far the others are.
+/// On a linear scale a ground that runs to the horizon takes nearly all colours, and the objects on
+/// it look alike. So the colour depends on `1 / (1 + x)`, where `x` is 0 at the nearest distance
+/// and 1 at the median: the nearer half of the pixels gets about half of the colours, however far
+/// the others are.
 pub(super) struct Depths {
     range: Range,
     middle: f64,
@@ -243,9 +244,10 @@ pub fn color_of_identifier(identifier: i32) -> [u8; 3] {
 
 /// The colour of an identifier, equal in all pictures; misses are black.
 ///
-/// Three multiplicative sequences, which spread evenly however many identifiers there are: the golden
-/// ratio's for the hue, so that neighbours are 137.5 degrees apart, and those of the plastic number
-/// (Roberts, "The Unreasonable Effectiveness of Quasirandom Sequences", 2018) for saturation and value.
+/// Three multiplicative sequences, which spread evenly however many identifiers there are: the
+/// golden ratio's for the hue, so that neighbours are 137.5 degrees apart, and those of the plastic
+/// number (Roberts, "The Unreasonable Effectiveness of Quasirandom Sequences", 2018) for saturation
+/// and value.
 fn identifier_color(identifier: f64) -> Rgb {
     if identifier < 0.0 {
         return BLACK;
@@ -301,7 +303,8 @@ mod tests {
         let t = Data::Float32(vec![9.5, f32::INFINITY, 3.25, 6.375]);
         let (colors, legend) = colors(Display::Distance, 1, t);
         assert_eq!(colors[..3], [[68, 1, 84], BLACK, [253, 231, 37]]);
-        // The median is half way down from 1, and 9.5, twice as far, two thirds: a quarter of that is left.
+        // The median is half way down from 1, and 9.5, twice as far, two thirds: a quarter of that
+        // is left.
         assert_eq!(colors[3], viridis()[64]);
         let expected =
             "it from 3.25 (yellow) to 9.5 (violet), half of it nearer than 6.375; misses black";

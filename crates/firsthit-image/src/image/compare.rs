@@ -8,22 +8,24 @@ pub struct Difference {
     pub elements: usize,
     /// The number of elements that differ by more than the tolerance.
     pub differing: usize,
-    /// The largest absolute difference of two numbers; infinity where one of them is infinite or NaN.
+    /// The largest absolute difference of two numbers; infinity where one of them is infinite or
+    /// NaN.
     pub largest: f64,
-    /// The two numbers whose difference is the largest, of equals the first; `None` where all are equal.
+    /// The two numbers whose difference is the largest, of equals the first; `None` where all are
+    /// equal.
     pub values: Option<[f64; 2]>,
     /// The element that these are of.
     pub element: usize,
-    /// The largest difference between finite floats in units in the last place, that is how many floats
-    /// lie between them, and one; `None` for whole numbers.
+    /// The largest difference between finite floats in units in the last place, that is how many
+    /// floats lie between them, and one; `None` for whole numbers.
     pub ulps: Option<u64>,
     /// The type that the numbers were compared in.
     pub compared_as: &'static str,
 }
 
-/// Compares two channels number by number, by the lower precision of the two: a float64 is rounded where
-/// the other file has float32. NaN equals NaN, an infinity itself. Whole numbers, which are identifiers,
-/// differ or do not: the `tolerance` is for floats, and for bytes to look at.
+/// Compares two channels number by number, by the lower precision of the two: a float64 is rounded
+/// where the other file has float32. NaN equals NaN, an infinity itself. Whole numbers, which are
+/// identifiers, differ or do not: the `tolerance` is for floats, and for bytes to look at.
 ///
 /// # Errors
 ///

@@ -13,12 +13,14 @@ use crate::watch::Watch;
 /// Settings of some formats.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct WriteSettings {
-    /// The step of a 16 bit PNG in scene units: distances are stored as a number of steps, misses as 0. `None`:
-    /// distances are stored as colours.
+    /// The step of a 16 bit PNG in scene units: distances are stored as a number of steps, misses
+    /// as 0. `None`: distances are stored as colours.
     pub png_scale: Option<f64>,
-    /// The number of a 16 bit PNG in place of distances beyond its last step, 65535. `None`: they are an error.
+    /// The number of a 16 bit PNG in place of distances beyond its last step, 65535. `None`: they
+    /// are an error.
     pub png_far: Option<Far>,
-    /// Whether PNGs of identifiers hold their numbers, each plus one, in 16 bits, and misses as 0. Otherwise they are stored as colours.
+    /// Whether PNGs of identifiers hold their numbers, each plus one, in 16 bits, and misses as 0.
+    /// Otherwise they are stored as colours.
     pub png_labels: bool,
     /// Whether an NPZ is packed, by deflate.
     pub compress: bool,

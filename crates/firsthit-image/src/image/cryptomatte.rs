@@ -1,8 +1,9 @@
 //! Cryptomatte: identifiers of names, and what a file says of them.
 //!
-//! After Friedman and Jones, "Fully Automatic ID Mattes with Support for Motion Blur and Transparency", SIGGRAPH 2015 posters, and the
-//! specification of Psyop, version 1.2. A channel has pairs of an identifier and the share of the pixel's samples that it covers,
-//! the largest first. An identifier is the hash of a name, as the bits of a float32.
+//! After Friedman and Jones, "Fully Automatic ID Mattes with Support for Motion Blur and
+//! Transparency", SIGGRAPH 2015 posters, and the specification of Psyop, version 1.2. A channel has
+//! pairs of an identifier and the share of the pixel's samples that it covers, the largest first.
+//! An identifier is the hash of a name, as the bits of a float32.
 
 use std::collections::BTreeMap;
 
@@ -70,8 +71,8 @@ pub(super) fn layers(channel: &str) -> String {
     name
 }
 
-/// The identifier of a name: the bits of a float32 that is neither zero, subnormal, infinite nor NaN, so that every program keeps
-/// it.
+/// The identifier of a name: the bits of a float32 that is neither zero, subnormal, infinite nor
+/// NaN, so that every program keeps it.
 ///
 /// ```
 /// assert_eq!(firsthit::image::matte_id("bunny"), 0x1385_1a76);
@@ -117,7 +118,8 @@ pub(super) fn ascii(json: &str) -> String {
             ascii.push(char);
             continue;
         }
-        // Only strings have others, the names of objects and the like, and there these are the same.
+        // Only strings have others, the names of objects and the like, and there these are the
+        // same.
         for unit in char.encode_utf16(&mut [0; 2]) {
             ascii.extend(["\\u".to_owned(), format!("{unit:04x}")]);
         }

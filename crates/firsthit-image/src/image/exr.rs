@@ -58,8 +58,9 @@ pub(super) fn stored(channel: &Channel) -> Stored {
     }
 }
 
-/// Writes scan lines in blocks of 16, compressed by ZIP, with all threads of the current rayon pool. The
-/// compressed file is in memory before it is written, because its table of contents comes first.
+/// Writes scan lines in blocks of 16, compressed by ZIP, with all threads of the current rayon
+/// pool. The compressed file is in memory before it is written, because its table of contents comes
+/// first.
 pub(super) fn encode(content: &Content<'_>, out: &mut dyn Write) -> io::Result<()> {
     let &[rows, columns] = content.shape else {
         return Err(io::Error::other("not a picture"));
@@ -96,8 +97,8 @@ pub(super) fn encode(content: &Content<'_>, out: &mut dyn Write) -> io::Result<(
     out.write_all(&file)
 }
 
-/// Sorts the attributes of the header by their names: where there are several of our own, `exr` writes them in no fixed order.
-/// None becomes longer, so everything after them stays where it is.
+/// Sorts the attributes of the header by their names: where there are several of our own, `exr`
+/// writes them in no fixed order. None becomes longer, so everything after them stays where it is.
 fn sort_attributes(file: &mut [u8]) {
     /// The magic number and the version.
     const BEFORE: usize = 8;

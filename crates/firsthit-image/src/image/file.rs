@@ -17,23 +17,24 @@ const BUFFER: usize = 1 << 18;
 /// Linux itself gives up after 40 symbolic links.
 const MOST_LINKS: usize = 40;
 
-/// Writes a file whole or not at all: a reader of `path` finds the old file or the new one at any moment.
+/// Writes a file whole or not at all: a reader of `path` finds the old file or the new one at any
+/// moment.
 ///
-/// `content` writes to a temporary file `.NAME.XXXXXX.tmp` in the same folder, which is then flushed to
-/// the disk and renamed. The new file gets the permission bits of the one that it replaces, else those
-/// that the umask gives; owner, further attributes and hard links of the old file are not kept.
-/// A symbolic link stays, its target is replaced. Devices, FIFOs and open files such as `/dev/null`
-/// and `/dev/stdout` are written straight into, without this promise.
+/// `content` writes to a temporary file `.NAME.XXXXXX.tmp` in the same folder, which is then
+/// flushed to the disk and renamed. The new file gets the permission bits of the one that it
+/// replaces, else those that the umask gives; owner, further attributes and hard links of the old
+/// file are not kept. A symbolic link stays, its target is replaced. Devices, FIFOs and open files
+/// such as `/dev/null` and `/dev/stdout` are written straight into, without this promise.
 ///
-/// On Linux the temporary file has no name until it is complete, where the file system can do that: of a
-/// process that is killed nothing stays behind, except between naming and renaming. Elsewhere it has its name
-/// from the start, and a kill leaves it behind.
+/// On Linux the temporary file has no name until it is complete, where the file system can do that:
+/// of a process that is killed nothing stays behind, except between naming and renaming. Elsewhere
+/// it has its name from the start, and a kill leaves it behind.
 ///
 /// # Errors
 ///
 /// [`Error::Write`] with `path` if the system, or `content`, refuses; or if `path` is a folder, a
-/// read-only file or [a file that was read](inputs::is_input); [`Error::Interrupted`] when `watch` stops it. The temporary file is then gone and the old
-/// file as it was.
+/// read-only file or [a file that was read](inputs::is_input); [`Error::Interrupted`] when `watch`
+/// stops it. The temporary file is then gone and the old file as it was.
 pub fn write_whole(
     path: &Path,
     watch: &dyn Watch,
@@ -48,15 +49,15 @@ pub fn write_whole(
     reported(path, watch, written)
 }
 
-/// Fails where [`write_whole`] could not make a whole file: a folder that is not there or is read-only, a folder in the place of the file,
-/// or a device.
+/// Fails where [`write_whole`] could not make a whole file: a folder that is not there or is
+/// read-only, a folder in the place of the file, or a device.
 #[doc(hidden)]
 pub fn check_writable(path: &Path) -> Result<()> {
     reported(path, &(), prepare_at(path, &(), |_| Ok(())).map(drop))
 }
 
-/// [`write_whole`] with a second file beside, called `path` with `.json` after it. Whatever happens in
-/// between, no old `sidecar` stays beside the new content: for an instant there is none.
+/// [`write_whole`] with a second file beside, called `path` with `.json` after it. Whatever happens
+/// in between, no old `sidecar` stays beside the new content: for an instant there is none.
 pub(super) fn write_with_sidecar(
     path: &Path,
     watch: &dyn Watch,
@@ -140,7 +141,8 @@ fn is_folder() -> io::Error {
     io::Error::new(io::ErrorKind::IsADirectory, "is a folder, not a file")
 }
 
-/// `path` with the links that its last part goes through followed, even to a file that is not there.
+/// `path` with the links that its last part goes through followed, even to a file that is not
+/// there.
 fn without_links(path: &Path) -> io::Result<PathBuf> {
     let mut path = path.to_owned();
     for _ in 0..MOST_LINKS {
@@ -153,8 +155,9 @@ fn without_links(path: &Path) -> io::Result<PathBuf> {
     Err(io::Error::other("too many symbolic links"))
 }
 
-/// Whether `path` is a process's open file, such as what `/dev/stdout` and `/dev/fd/1` lead to. They look
-/// like links to regular files, but replacing those would miss the reader of the open one.
+/// Whether `path` is a process's open file, such as what `/dev/stdout` and `/dev/fd/1` lead to.
+/// They look like links to regular files, but replacing those would miss the reader of the open
+/// one.
 fn is_open_file(path: &Path) -> bool {
     fs::canonicalize(folder_of(path)).is_ok_and(|folder| folder.starts_with("/proc"))
 }
@@ -208,8 +211,8 @@ impl Prepared {
     fn commit(self) -> io::Result<()> {
         self.temporary.become_file(&self.path)?;
         inputs::written(&self.path);
-        // Without this a power cut may undo the rename, but never tear the file: best effort is enough,
-        // and not every system can do it.
+        // Without this a power cut may undo the rename, but never tear the file: best effort is
+        // enough, and not every system can do it.
         let _ = File::open(folder_of(&self.path)).and_then(|folder| folder.sync_all());
         Ok(())
     }
@@ -264,7 +267,8 @@ impl Temporary {
     }
 }
 
-/// A file without a name; `None` where the file system has none, or the folder takes no files at all.
+/// A file without a name; `None` where the file system has none, or the folder takes no files at
+/// all.
 #[cfg(target_os = "linux")]
 fn nameless_in(folder: &Path) -> Option<File> {
     use rustix::fs::{Mode, OFlags, open};
@@ -306,7 +310,8 @@ fn beside<R>(
     let name = path.file_name().ok_or_else(is_folder)?.to_string_lossy();
     // Cut short: names have at most 255 bytes, and 50 characters have at most 200.
     let prefix = format!(".{}.", name.chars().take(50).collect::<String>());
-    // A folder that is missing says so in the system's words; `tempfile` keeps only the kind of the error.
+    // A folder that is missing says so in the system's words; `tempfile` keeps only the kind of the
+    // error.
     fs::metadata(folder_of(path))?;
     tempfile::Builder::new()
         .prefix(&prefix)

@@ -119,7 +119,8 @@ pub struct Format {
     pub holds: Holds,
     /// Whether it stores only pictures, `[rows, columns]`, and no batches of rays.
     pub only_pictures: bool,
-    /// Whether the metadata is in a separate file, `NAME.json`, because the format has no place for it.
+    /// Whether the metadata is in a separate file, `NAME.json`, because the format has no place for
+    /// it.
     pub has_sidecar: bool,
     /// Whether it stores Cryptomattes, and does not make colours or columns of them.
     pub takes_mattes: bool,
@@ -142,7 +143,8 @@ pub enum Holds {
     OneChannel,
     /// All channels of the frame.
     AllChannels,
-    /// All channels, of those elements that have a `position`, which must be among them: a point cloud. Misses are left out.
+    /// All channels, of those elements that have a `position`, which must be among them: a point
+    /// cloud. Misses are left out.
     Points,
 }
 
@@ -164,7 +166,8 @@ impl Holds {
     }
 }
 
-/// Writes all of `frame` to a file, whole or not at all, in the format that `path`'s extension names.
+/// Writes all of `frame` to a file, whole or not at all, in the format that `path`'s extension
+/// names.
 ///
 /// # Errors
 ///
@@ -184,8 +187,8 @@ pub fn write_channel(frame: &Frame, name: &str, path: &Path) -> Result<()> {
 
 impl Frame {
     /// Writes it to a file, whole or not at all, in the format that the path's extension names (see
-    /// [`FORMATS`](super::FORMATS)): `.png` and `.npy` take a frame of one channel, `.exr` and `.npz` all channels, `.ply` and `.pcd` all
-    /// channels of what was hit.
+    /// [`FORMATS`](super::FORMATS)): `.png` and `.npy` take a frame of one channel, `.exr` and
+    /// `.npz` all channels, `.ply` and `.pcd` all channels of what was hit.
     ///
     /// ```no_run
     /// use firsthit::{Render, Scene};
@@ -212,7 +215,8 @@ impl Frame {
     }
 }
 
-/// The format that the extension of `path` names, in upper or lower case. Call it before hours of rendering.
+/// The format that the extension of `path` names, in upper or lower case. Call it before hours of
+/// rendering.
 ///
 /// # Errors
 ///
@@ -243,8 +247,8 @@ pub fn format_named(name: &str) -> Result<&'static Format> {
     })
 }
 
-/// Refuses channels of which the file would have two numbers under one name: `a` has two and is stored as `a_0` and `a_1`, and so is
-/// another channel called `a_1`.
+/// Refuses channels of which the file would have two numbers under one name: `a` has two and is
+/// stored as `a_0` and `a_1`, and so is another channel called `a_1`.
 fn names_differ(metadata: &Metadata) -> Result<()> {
     let mut owners = BTreeMap::new();
     for channel in &metadata.channels {
@@ -263,14 +267,16 @@ fn names_differ(metadata: &Metadata) -> Result<()> {
 }
 
 impl Format {
-    /// Writes `frame`, or only the channel called `channel`, to a file, see [`write_whole`]. A format that
-    /// [`has_sidecar`](Self::has_sidecar) also writes `NAME.json`, unless `path` is a device or a pipe.
+    /// Writes `frame`, or only the channel called `channel`, to a file, see [`write_whole`]. A
+    /// format that [`has_sidecar`](Self::has_sidecar) also writes `NAME.json`, unless `path` is a
+    /// device or a pipe.
     ///
     /// # Errors
     ///
     /// [`Error::Argument`] if the frame has no such channel, has several where this format
-    /// [holds](Self::holds) one, or has a shape or values that this format cannot store; then nothing was
-    /// opened. [`Error::Write`] if the system refuses, [`Error::Interrupted`] when `watch` stops it.
+    /// [holds](Self::holds) one, or has a shape or values that this format cannot store; then
+    /// nothing was opened. [`Error::Write`] if the system refuses, [`Error::Interrupted`] when
+    /// `watch` stops it.
     pub fn write(
         &self,
         frame: &Frame,
@@ -310,8 +316,8 @@ impl Format {
             .map_err(|source| Error::Write { path: target.to_owned(), source })
     }
 
-    /// Checks a frame as [`write`](Self::write) does before it opens anything. Call it first where several files are to
-    /// be written, or none.
+    /// Checks a frame as [`write`](Self::write) does before it opens anything. Call it first where
+    /// several files are to be written, or none.
     ///
     /// # Errors
     ///

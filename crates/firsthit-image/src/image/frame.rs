@@ -66,7 +66,8 @@ pub enum Unit {
     LinearColor,
     /// The scene's own unit of length.
     SceneLength,
-    /// Lengths of the ray's direction: for a camera's rays, which have length one, the scene's unit.
+    /// Lengths of the ray's direction: for a camera's rays, which have length one, the scene's
+    /// unit.
     DirectionLength,
     /// Angles in radians.
     Radian,
@@ -92,8 +93,8 @@ pub enum Data {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Display {
-    /// Linear colours, three floats, shown as sRGB; or four, premultiplied by the last, the coverage (alpha) from 0 to
-    /// 1.
+    /// Linear colours, three floats, shown as sRGB; or four, premultiplied by the last, the
+    /// coverage (alpha) from 0 to 1.
     Color,
     /// Distances, one float: from near, yellow, to far, violet.
     Distance,
@@ -107,10 +108,11 @@ pub enum Display {
     Fraction,
     /// Booleans, one each: white where true.
     Mask,
-    /// Any numbers of floats. One to three make a picture, each from its smallest to its largest value: one in the colours of a
-    /// distance, two as red and green, three as red, green and blue.
+    /// Any numbers of floats. One to three make a picture, each from its smallest to its largest
+    /// value: one in the colours of a distance, two as red and green, three as red, green and blue.
     Quantity,
-    /// Cryptomatte, an even number of float32: pairs of an identifier and its share of the pixel. It is no picture.
+    /// Cryptomatte, an even number of float32: pairs of an identifier and its share of the pixel.
+    /// It is no picture.
     Matte,
 }
 
@@ -134,7 +136,8 @@ impl Debug for Data {
 }
 
 impl Frame {
-    /// A frame without channels: `[rows, columns]` of a picture, `[n]` of a batch, or any other shape.
+    /// A frame without channels: `[rows, columns]` of a picture, `[n]` of a batch, or any other
+    /// shape.
     pub fn new(shape: impl Into<Vec<usize>>) -> Self {
         Self { shape: shape.into(), channels: Vec::new(), origin: Origin::default() }
     }
@@ -153,8 +156,8 @@ impl Frame {
     ///
     /// # Errors
     ///
-    /// [`Error::Argument`] if its name is taken, if its length is not the frame's number of elements
-    /// times its components, or if its values cannot be what its picture says.
+    /// [`Error::Argument`] if its name is taken, if its length is not the frame's number of
+    /// elements times its components, or if its values cannot be what its picture says.
     pub fn push(&mut self, channel: Channel) -> Result<()> {
         let (name, of) = (&*channel.name, channel.argument());
         if self.channel(name).is_some() {
@@ -199,8 +202,8 @@ impl Frame {
         self.channels
     }
 
-    /// A frame of the named channels, in that order. A channel for which `is_last` holds is taken out of this frame; the
-    /// others are copied. After an error some may have been taken already.
+    /// A frame of the named channels, in that order. A channel for which `is_last` holds is taken
+    /// out of this frame; the others are copied. After an error some may have been taken already.
     ///
     /// # Errors
     ///
@@ -220,8 +223,8 @@ impl Frame {
         Ok(frame)
     }
 
-    /// The frame with float32 numbers in place of float64 ones: the nearest, but finite for finite ones, and zero for zero alone. So
-    /// a hit does not become a miss.
+    /// The frame with float32 numbers in place of float64 ones: the nearest, but finite for finite
+    /// ones, and zero for zero alone. So a hit does not become a miss.
     ///
     /// # Errors
     ///
@@ -369,7 +372,8 @@ impl Data {
         }
     }
 
-    /// Puts some values into `to`, in place of what it has, each as [`value`](Self::value) gives it.
+    /// Puts some values into `to`, in place of what it has, each as [`value`](Self::value) gives
+    /// it.
     pub(super) fn read(&self, range: Range<usize>, to: &mut Vec<f64>) {
         to.clear();
         match self {

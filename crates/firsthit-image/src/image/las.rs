@@ -1,9 +1,11 @@
 //! Scans as LAS 1.4, in points of format 6, and packed as LAZ:
 //! <https://www.asprs.org/wp-content/uploads/2019/07/LAS_1_4_r15.pdf>.
 //!
-//! 1. Coordinates are steps from the lowest corner, of 1e-4 scene units or of ten times as much until they reach.
+//! 1. Coordinates are steps from the lowest corner, of 1e-4 scene units or of ten times as much
+//!    until they reach.
 //! 2. What the format has no place for is in extra bytes behind each point.
-//! 3. The metadata are a record behind the points, where it may be longer than 64 KiB, as that of a long drive is.
+//! 3. The metadata are a record behind the points, where it may be longer than 64 KiB, as that of a
+//!    long drive is.
 
 #![allow(
     clippy::cast_possible_truncation,
@@ -32,13 +34,15 @@ const POINT: u16 = 30;
 /// The bit of the format that says that points are packed.
 const PACKED: u8 = 1 << 7;
 
-/// The bit that says that coordinate systems, of which there is none, are in WKT: format 6 asks for it.
+/// The bit that says that coordinate systems, of which there is none, are in WKT: format 6 asks for
+/// it.
 const WKT: u16 = 1 << 4;
 
 /// The most returns of a pulse that four bits hold.
 const MOST_RETURNS: i32 = 15;
 
-/// The columns behind each point: the name, the number of the type in LAS, the bytes, and the meaning.
+/// The columns behind each point: the name, the number of the type in LAS, the bytes, and the
+/// meaning.
 const EXTRA: [(&str, u8, u16, &str); 6] = [
     ("range", 10, 8, "distance along the beam"),
     ("incidence", 9, 4, "angle to the normal, rad"),

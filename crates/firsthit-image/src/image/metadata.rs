@@ -13,13 +13,14 @@ use crate::geometry::Digest;
 /// The name that a file keeps the metadata under: an attribute of an EXR, a text of a PNG.
 pub(super) const KEY: &str = "firsthit";
 
-/// The version of this structure. It grows when a reader of the old version would misread the new one.
+/// The version of this structure. It grows when a reader of the old version would misread the new
+/// one.
 pub const METADATA_VERSION: u32 = 1;
 
 /// Describes an output to people and programs that have only the file.
 ///
-/// `docs/output-metadata.schema.json` is its JSON Schema, `docs/outputs.md` shows it. It has no date and
-/// no path: the same picture has the same metadata.
+/// `docs/output-metadata.schema.json` is its JSON Schema, `docs/outputs.md` shows it. It has no
+/// date and no path: the same picture has the same metadata.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Metadata {
     /// [`METADATA_VERSION`].
@@ -37,8 +38,9 @@ pub struct Metadata {
     /// The sensor that made the rays, if it is no camera.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub sensor: Option<SensorRecord>,
-    /// The number of samples whose mean is a pixel's colour, and whose shares are those of its mattes: where a noise ends
-    /// them earlier, the most that a pixel has. Other channels are sampled at the pixel's centre.
+    /// The number of samples whose mean is a pixel's colour, and whose shares are those of its
+    /// mattes: where a noise ends them earlier, the most that a pixel has. Other channels are
+    /// sampled at the pixel's centre.
     pub samples: Option<u32>,
     /// The shading that made the colours, if there are any.
     #[serde(default, skip_serializing_if = "Option::is_none")]

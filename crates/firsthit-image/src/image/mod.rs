@@ -1,11 +1,13 @@
-//! Results and their file formats: named channels over the pixels of a picture or the rays of a batch.
+//! Results and their file formats: named channels over the pixels of a picture or the rays of a
+//! batch.
 //!
-//! A [`Frame`] holds the channels. [`write()`] stores it in the [`Format`] that the path's extension names; [`FORMATS`]
-//! lists the formats. A file appears whole or not at all, see [`write_whole`]. Every file holds the same [`Metadata`],
-//! and [`read`] reads any of them back.
+//! A [`Frame`] holds the channels. [`write()`] stores it in the [`Format`] that the path's
+//! extension names; [`FORMATS`] lists the formats. A file appears whole or not at all, see
+//! [`write_whole`]. Every file holds the same [`Metadata`], and [`read`] reads any of them back.
 //!
-//! Colours are linear in a frame; PNG and point clouds apply the sRGB curve, and PNG a [`DisplayTransform`](crate::geometry::DisplayTransform) before it if asked
-//! to. Nothing is filtered or resized, and the same frame gives the same bytes on every machine.
+//! Colours are linear in a frame; PNG and point clouds apply the sRGB curve, and PNG a
+//! [`DisplayTransform`](crate::geometry::DisplayTransform) before it if asked to. Nothing is
+//! filtered or resized, and the same frame gives the same bytes on every machine.
 
 #[cfg(feature = "png")]
 mod channel_colors;

@@ -5,9 +5,11 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
-/// The names of what identifiers stand for, each table in the order of the identifiers, from 0 on. `None`: no such channel.
+/// The names of what identifiers stand for, each table in the order of the identifiers, from 0 on.
+/// `None`: no such channel.
 ///
-/// A table has names of 256 KiB at most, some bytes for each entry included: those beyond are left out, and counted in [`Names::left_out`].
+/// A table has names of 256 KiB at most, some bytes for each entry included: those beyond are left
+/// out, and counted in [`Names::left_out`].
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Names {
     /// The objects.
@@ -81,8 +83,8 @@ impl Names {
         }
     }
 
-    /// The tables that a file with these channels takes: those of the channels, and with `object` those that its entries name.
-    /// `None` where there is none.
+    /// The tables that a file with these channels takes: those of the channels, and with `object`
+    /// those that its entries name. `None` where there is none.
     pub(super) fn of_channels(self, has: impl Fn(&str) -> bool) -> Option<Self> {
         if has("object") {
             return Some(self);

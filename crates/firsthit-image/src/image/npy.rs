@@ -35,8 +35,8 @@ pub(super) fn encode_text(text: &str, out: &mut dyn Write) -> io::Result<()> {
     write_values(&characters, u32::to_le_bytes, out)
 }
 
-/// Writes the header of version 1.0 (`numpy.lib.format`): a dictionary as a Python literal, filled up so that the data
-/// begins at a multiple of 64 bytes.
+/// Writes the header of version 1.0 (`numpy.lib.format`): a dictionary as a Python literal, filled
+/// up so that the data begins at a multiple of 64 bytes.
 fn write_header(descr: &str, shape: &[usize], out: &mut dyn Write) -> io::Result<()> {
     const ALIGNMENT: usize = 64;
     const BEFORE: usize = 10;

@@ -12,11 +12,11 @@ const LARGE: u64 = u32::MAX as u64 - 65_536;
 /// The entry that holds the metadata: a text, in an array without dimensions.
 pub(super) const METADATA: &str = "metadata";
 
-/// Writes all channels as an NPZ archive: an entry `NAME.npy` for each, packed where the settings say so, in their order, and
-/// then the metadata.
+/// Writes all channels as an NPZ archive: an entry `NAME.npy` for each, packed where the settings
+/// say so, in their order, and then the metadata.
 ///
-/// As a stream, so that a pipe will do. All dates are 1 January 1980, the earliest that ZIP can say:
-/// today's would change the bytes every day.
+/// As a stream, so that a pipe will do. All dates are 1 January 1980, the earliest that ZIP can
+/// say: today's would change the bytes every day.
 pub(super) fn encode(content: &Content<'_>, out: &mut dyn Write) -> io::Result<()> {
     let mut archive = ZipWriter::new_stream(out);
     let method = if content.settings.compress {

@@ -18,8 +18,8 @@ pub struct Origin {
     /// The sensor that made the rays, if it is no camera.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub sensor: Option<SensorRecord>,
-    /// The number of samples whose mean is a pixel's colour, if there are colours or mattes; the most that a pixel has, where a noise
-    /// ends them earlier.
+    /// The number of samples whose mean is a pixel's colour, if there are colours or mattes; the
+    /// most that a pixel has, where a noise ends them earlier.
     pub samples: Option<u32>,
     /// The shading of colours; a file says it of colours.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -83,7 +83,8 @@ pub struct CameraRecord {
     pub aim: [f64; 3],
     /// The direction upwards, as it was given.
     pub up: [f64; 3],
-    /// The distance from the camera to the viewplane; `None` for a projection without one, as for the next two.
+    /// The distance from the camera to the viewplane; `None` for a projection without one, as for
+    /// the next two.
     pub focal_length: Option<f64>,
     /// The viewplane's width.
     pub width: Option<f64>,
@@ -97,8 +98,8 @@ pub struct CameraRecord {
     pub projection: String,
     /// The start that `t` counts from: `viewplane` or `eye`.
     pub ray_start: String,
-    /// All numbers of the lens by their names, in the words of `Lens::parameters`; angles of fields of view and tilts are in degrees.
-    /// Empty in files of before version 0.2.
+    /// All numbers of the lens by their names, in the words of `Lens::parameters`; angles of fields
+    /// of view and tilts are in degrees. Empty in files of before version 0.2.
     #[serde(default)]
     pub parameters: BTreeMap<String, f64>,
     /// The intrinsic matrix; `None` for parallel rays, which have none. It is applied after a
@@ -108,13 +109,14 @@ pub struct CameraRecord {
     pub pose: Pose,
 }
 
-/// The matrix K: `(u, v, 1)` is `K (x, y, z) / z`, where u counts pixels to the right and v downwards.
+/// The matrix K: `(u, v, 1)` is `K (x, y, z) / z`, where u counts pixels to the right and v
+/// downwards.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Intrinsics {
     /// Row by row.
     pub k: [[f64; 3]; 3],
-    /// The coordinates (u and v) of the first pixel's centre: 0.5, as in COLMAP and OpenGL. For OpenCV,
-    /// where they are 0, subtract 0.5 from the two numbers in the last column.
+    /// The coordinates (u and v) of the first pixel's centre: 0.5, as in COLMAP and OpenGL. For
+    /// OpenCV, where they are 0, subtract 0.5 from the two numbers in the last column.
     pub first_pixel_center: f64,
     /// The meaning of x, y, z: the camera's right, down and forwards, as in OpenCV and COLMAP.
     pub axes: String,
@@ -149,7 +151,8 @@ pub struct SensorRecord {
     pub words: BTreeMap<String, String>,
     /// The meaning of x, y, z in the sensor's own coordinates, if it has some.
     pub axes: Option<String>,
-    /// Row by row: the matrix that takes its coordinates to the world's, or to those of the body that carries it.
+    /// Row by row: the matrix that takes its coordinates to the world's, or to those of the body
+    /// that carries it.
     pub pose: Option<[[f64; 4]; 4]>,
     /// The camera that is moved, in the coordinates of the body that carries it.
     #[serde(default, skip_serializing_if = "Option::is_none")]

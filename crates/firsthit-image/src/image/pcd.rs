@@ -1,4 +1,5 @@
-//! Point clouds as binary PCD, version 0.7, for PCL and ROS: floats but times are float32, a colour is one number.
+//! Point clouds as binary PCD, version 0.7, for PCL and ROS: floats but times are float32, a colour
+//! is one number.
 
 use std::io::{self, Write};
 
@@ -23,7 +24,8 @@ pub(super) fn encode(content: &Content<'_>, out: &mut dyn Write) -> io::Result<(
         for name in LAYOUT.names(channel) {
             let (size, kind) = match LAYOUT.type_of(channel) {
                 Type::Float64 => (8, 'F'),
-                // PCL's own type of points keeps the bytes of `rgb` in a float, those of `rgba` in a whole number.
+                // PCL's own type of points keeps the bytes of `rgb` in a float, those of `rgba` in
+                // a whole number.
                 Type::Packed if name == "rgba" => (4, 'U'),
                 Type::Float32 | Type::Packed => (4, 'F'),
                 Type::Int32 => (4, 'I'),

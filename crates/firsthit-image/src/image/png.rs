@@ -19,8 +19,8 @@ const CHUNK: usize = 1 << 16;
 /// until they are packed.
 const BLOCK: usize = 1 << 19;
 
-/// Refuses a frame that is no picture, distances that do not fit into 16 bits of the chosen steps, and colours of an exposure that
-/// is no number.
+/// Refuses a frame that is no picture, distances that do not fit into 16 bits of the chosen steps,
+/// and colours of an exposure that is no number.
 pub(super) fn check(content: &Content<'_>) -> Result<()> {
     picture_sides(content.shape, "[rows, columns], each from 1 to 2^31 - 1, for a PNG")?;
     refuse_mattes(content, "a channel other than a Cryptomatte for a PNG (use exr)")?;
@@ -110,7 +110,8 @@ pub(super) fn encode(content: &Content<'_>, out: &mut dyn Write) -> io::Result<(
     Ok(())
 }
 
-/// Writes the picture in rows of `row` bytes. All threads of the current rayon pool make a block of rows, then one packs it.
+/// Writes the picture in rows of `row` bytes. All threads of the current rayon pool make a block of
+/// rows, then one packs it.
 fn encode_colors(
     channel: &Channel,
     display: DisplayTransform,

@@ -1,10 +1,13 @@
 //! Point clouds: the elements that have a position, each as a row of numbers.
 //!
 //! 1. An element is a point if its channel `position` is finite: misses are left out.
-//! 2. Every channel becomes one or more columns, under the names that programs look for; colours become sRGB bytes.
-//! 3. The points are written in the frame's order, each as the bytes of its columns, little-endian, without padding.
+//! 2. Every channel becomes one or more columns, under the names that programs look for; colours
+//!    become sRGB bytes.
+//! 3. The points are written in the frame's order, each as the bytes of its columns, little-endian,
+//!    without padding.
 //!
-//! [`ply`](super::ply) and [`pcd`](super::pcd) differ in the header, in some names and in how wide a float is: a [`Layout`].
+//! [`ply`](super::ply) and [`pcd`](super::pcd) differ in the header, in some names and in how wide
+//! a float is: a [`Layout`].
 
 use std::fs::File;
 use std::io::{self, Read, Write};

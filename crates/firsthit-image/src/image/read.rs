@@ -23,19 +23,21 @@ use super::metadata::Metadata;
 use crate::error::{Error, Place, Result};
 use crate::inputs;
 
-/// The default limit of memory for the numbers of one file, in bytes: 16,384 squared pixels of four channels.
+/// The default limit of memory for the numbers of one file, in bytes: 16,384 squared pixels of four
+/// channels.
 pub(super) const MOST_BYTES: u64 = 1 << 32;
 
 /// Metadata are short; a sidecar that is longer is none.
 const LONGEST_METADATA: u64 = 1 << 24;
 
-/// Reads an output: a file in one of [`FORMATS`](super::FORMATS), which its extension tells. It may be written over: who takes it for an
-/// input tells [`inputs`].
+/// Reads an output: a file in one of [`FORMATS`](super::FORMATS), which its extension tells. It may
+/// be written over: who takes it for an input tells [`inputs`].
 ///
 /// # Errors
 ///
 /// [`Error::Argument`] for an extension that no format has, [`Error::Read`] if the system refuses,
-/// [`Error::Parse`] for content that is no such file, that is damaged, or that would take more than 4 GiB.
+/// [`Error::Parse`] for content that is no such file, that is damaged, or that would take more than
+/// 4 GiB.
 pub fn read(path: &Path) -> Result<Output> {
     // A folder is refused as such, before its extension is.
     if path.is_dir() {
@@ -104,12 +106,13 @@ fn fits(array: &Array, shape: &[u64], components: u64, dtype: &str) -> bool {
     array.dtype == dtype && shape.eq(expected)
 }
 
-/// The whole content of a regular file of at most `limit` bytes, which is then an [input](inputs). Devices and pipes, which may never
-/// end, are refused.
+/// The whole content of a regular file of at most `limit` bytes, which is then an [input](inputs).
+/// Devices and pipes, which may never end, are refused.
 ///
 /// # Errors
 ///
-/// [`Error::Read`] if the system refuses or it is no regular file, [`Error::Parse`] for a longer one.
+/// [`Error::Read`] if the system refuses or it is no regular file, [`Error::Parse`] for a longer
+/// one.
 pub fn read_regular(path: &Path, limit: u64) -> Result<Vec<u8>> {
     let bytes = regular(path, limit)?;
     inputs::note(path);

@@ -23,7 +23,8 @@ use super::decode::{npy, npz};
 use super::read::{MOST_BYTES, read_regular, wrong};
 use crate::error::Result;
 
-/// The names of the array that has the coordinates, in outputs of ours and in archives of other programs.
+/// The names of the array that has the coordinates, in outputs of ours and in archives of other
+/// programs.
 const POSITIONS: [&str; 5] = ["points", "position", "point", "positions", "xyz"];
 
 /// The names of three arrays that have them.
@@ -43,16 +44,19 @@ pub struct Points {
     pub notes: Vec<String>,
 }
 
-/// Reads points from a file, which its first bytes tell the format of: PLY (of a mesh the vertices), PCD, LAS, LAZ, NPY of the shape (n, 3),
-/// NPZ and EXR with an array `points` or a channel `position`, or text. The file is then an [input](crate::inputs).
+/// Reads points from a file, which its first bytes tell the format of: PLY (of a mesh the
+/// vertices), PCD, LAS, LAZ, NPY of the shape (n, 3), NPZ and EXR with an array `points` or a
+/// channel `position`, or text. The file is then an [input](crate::inputs).
 ///
-/// Text has a line for each point, with commas, semicolons, tabs or blanks between its numbers. The first line may have the names of the
-/// columns, of which x, y and z are the coordinates; without names the first three are. Lines with #, // or % before them are comments.
+/// Text has a line for each point, with commas, semicolons, tabs or blanks between its numbers. The
+/// first line may have the names of the columns, of which x, y and z are the coordinates; without
+/// names the first three are. Lines with #, // or % before them are comments.
 ///
 /// # Errors
 ///
-/// [`Error::Read`](crate::error::Error::Read) if the system refuses, and [`Error::Parse`](crate::error::Error::Parse) for content that is no such file,
-/// or that would take more memory than there is.
+/// [`Error::Read`](crate::error::Error::Read) if the system refuses, and
+/// [`Error::Parse`](crate::error::Error::Parse) for content that is no such file, or that would
+/// take more memory than there is.
 pub fn read_points(path: &Path) -> Result<Points> {
     let bytes = read_regular(path, u64::MAX)?;
     points_of(path, &bytes)
@@ -68,7 +72,8 @@ pub fn points_of(name: &Path, bytes: &[u8]) -> Result<Points> {
 }
 
 fn decoded(bytes: &[u8]) -> std::result::Result<Points, String> {
-    // What is not packed is as large in memory as its file, or eight times where its numbers are bytes.
+    // What is not packed is as large in memory as its file, or eight times where its numbers are
+    // bytes.
     let most = MOST_BYTES.max((bytes.len() as u64).saturating_mul(8));
     let is_pcd = ["# .PCD", "VERSION", "FIELDS"];
     let output = if bytes.starts_with(b"ply") {

@@ -28,7 +28,8 @@ pub const SCAN_EXTENSIONS: &[&str] = &[
     "csv",
 ];
 
-/// Writes the returns of a scan to a file, whole or not at all, in the format that the extension names.
+/// Writes the returns of a scan to a file, whole or not at all, in the format that the extension
+/// names.
 #[doc(hidden)]
 pub fn write_scan(frame: &Frame, path: &Path, watch: &dyn Watch) -> Result<()> {
     let extension = path.extension().unwrap_or_default().to_ascii_lowercase();
@@ -52,7 +53,8 @@ pub fn write_scan(frame: &Frame, path: &Path, watch: &dyn Watch) -> Result<()> {
     }
 }
 
-/// Writes a line for each return, after one with the names of the columns; numbers have as many digits as tell them apart.
+/// Writes a line for each return, after one with the names of the columns; numbers have as many
+/// digits as tell them apart.
 #[cfg(feature = "cloud")]
 fn write_csv(frame: &Frame, out: &mut dyn Write) -> io::Result<()> {
     let names = frame.channels().iter().flat_map(|channel| ply::LAYOUT.names(channel));

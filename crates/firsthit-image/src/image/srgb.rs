@@ -49,7 +49,8 @@ impl SrgbBytes {
     }
 }
 
-/// The bytes of a premultiplied colour, as PNG stores them: those of the colour divided by alpha, and alpha, which has no curve.
+/// The bytes of a premultiplied colour, as PNG stores them: those of the colour divided by alpha,
+/// and alpha, which has no curve.
 pub(super) fn unpremultiplied(
     [r, g, b, alpha]: [f64; 4],
     bytes: impl Fn([f64; 3]) -> [u8; 3],
@@ -74,7 +75,8 @@ pub(super) fn unit_byte(unit: f64) -> u8 {
     }
 }
 
-/// The smallest float64 between 0 and 1 that is `above`, by bisection of the bits: they are in order.
+/// The smallest float64 between 0 and 1 that is `above`, by bisection of the bits: they are in
+/// order.
 fn first_bits(above: impl Fn(u64) -> bool) -> f64 {
     let (mut low, mut high) = (0, 1.0_f64.to_bits());
     while low < high {

@@ -1,4 +1,5 @@
-//! Distances as whole numbers of steps, in 16 bits: what depth cameras write. And identifiers as their numbers plus one.
+//! Distances as whole numbers of steps, in 16 bits: what depth cameras write. And identifiers as
+//! their numbers plus one.
 
 use std::io::{self, Write};
 
@@ -9,8 +10,8 @@ use crate::error::{Error, Result};
 /// The largest number of steps.
 const MOST: f64 = 65_535.0;
 
-/// Refuses distances that are not 1 to 65535 steps of `scale`, misses aside: nothing is saturated, and no hit
-/// becomes the 0 of a miss, unless `far` says what becomes of those beyond.
+/// Refuses distances that are not 1 to 65535 steps of `scale`, misses aside: nothing is saturated,
+/// and no hit becomes the 0 of a miss, unless `far` says what becomes of those beyond.
 pub(super) fn check(
     channel: &Channel,
     scale: f64,

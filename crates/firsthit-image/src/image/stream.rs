@@ -12,7 +12,8 @@ use crate::watch::Watch;
 /// The time that a stream is waited for before the watch is asked again.
 const PATIENCE: Duration = Duration::from_millis(50);
 
-/// A stream to append to. A FIFO is waited for in steps, here and where it is full: the system's own wait ends for no watch.
+/// A stream to append to. A FIFO is waited for in steps, here and where it is full: the system's
+/// own wait ends for no watch.
 #[cfg(target_os = "linux")]
 pub(super) fn opened_stream(path: &Path, watch: &dyn Watch) -> io::Result<File> {
     use std::os::unix::fs::{FileTypeExt, OpenOptionsExt};

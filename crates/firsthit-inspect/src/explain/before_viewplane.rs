@@ -1,4 +1,5 @@
-//! Objects between a camera's eye and its viewplane, where rays that start on the viewplane do not meet them.
+//! Objects between a camera's eye and its viewplane, where rays that start on the viewplane do not
+//! meet them.
 
 use std::collections::BTreeSet;
 
@@ -9,7 +10,8 @@ use crate::shoot::{Cpu, Engine};
 /// Rays tried for each row and column, at most.
 const PROBES: usize = 128;
 
-/// Objects that a camera does not see because its rays start on the viewplane; see [`before_viewplane`].
+/// Objects that a camera does not see because its rays start on the viewplane; see
+/// [`before_viewplane`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[non_exhaustive]
 pub struct BeforeViewplane {

@@ -8,7 +8,8 @@ use crate::memory;
 use crate::scene::{Material, Scene, SurfaceInteraction};
 use crate::shape::PropertyOf;
 
-/// A hit, the surface there, and its material. Positions and normals are those of [`SurfaceInteraction`], in the world.
+/// A hit, the surface there, and its material. Positions and normals are those of
+/// [`SurfaceInteraction`], in the world.
 #[derive(Debug, Clone)]
 pub struct HitDetails<'a> {
     /// The hit.
@@ -33,7 +34,8 @@ pub struct HitDetails<'a> {
     pub color: Color,
     /// The node that the object comes from, as in the channel `node`; `None` where there is none.
     pub node: Option<CatalogEntry<'a>>,
-    /// The mesh that the object is or is a part of, as in the channel `mesh`; `None` for other shapes.
+    /// The mesh that the object is or is a part of, as in the channel `mesh`; `None` for other
+    /// shapes.
     pub mesh: Option<CatalogEntry<'a>>,
     /// The material there, as in the channel `material`; `None` for an object without any.
     pub material_entry: Option<CatalogEntry<'a>>,
@@ -43,7 +45,8 @@ pub struct HitDetails<'a> {
     pub attributes: Vec<AttributeThere<'a>>,
 }
 
-/// A node, a mesh or a material of the scene: its place in the [catalog](crate::scene::Catalog), and its name there.
+/// A node, a mesh or a material of the scene: its place in the [catalog](crate::scene::Catalog),
+/// and its name there.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct CatalogEntry<'a> {
     /// The number in the catalog, which the channels `node`, `mesh` and `material` have too.
@@ -67,7 +70,8 @@ pub struct AttributeThere<'a> {
     pub name: &'a str,
     /// The elements that have the values.
     pub of: PropertyOf,
-    /// The value, interpolated as [`NamedAttribute::look_up`](crate::shape::NamedAttribute::look_up) has it.
+    /// The value, interpolated as
+    /// [`NamedAttribute::look_up`](crate::shape::NamedAttribute::look_up) has it.
     pub values: Vec<f64>,
 }
 

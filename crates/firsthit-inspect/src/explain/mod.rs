@@ -1,8 +1,11 @@
-//! The explanation of one ray: what it meets first, why each other object is not that, and what lies behind.
+//! The explanation of one ray: what it meets first, why each other object is not that, and what
+//! lies behind.
 //!
-//! 1. The engine answers [`First`] and [`All`] for the ray. So the hit is the one that every other function gives.
+//! 1. The engine answers [`First`] and [`All`] for the ray. So the hit is the one that every other
+//!    function gives.
 //! 2. Each object is asked by itself what the ray does to it (`shoot/encounter.rs`).
-//! 3. Of an object that the line of the ray does not touch, the way past its box is told (`explain/passage.rs`).
+//! 3. Of an object that the line of the ray does not touch, the way past its box is told
+//!    (`explain/passage.rs`).
 
 mod before_viewplane;
 mod details;
@@ -97,8 +100,8 @@ pub struct Candidate<'a> {
     pub shape: &'static str,
     /// The reason.
     pub reason: Reason,
-    /// The first hit if the ray meets the object, otherwise the rejected crossing that `reason` describes. `None` where the line of the ray does
-    /// not touch the surface.
+    /// The first hit if the ray meets the object, otherwise the rejected crossing that `reason`
+    /// describes. `None` where the line of the ray does not touch the surface.
     pub place: Option<Hit>,
 }
 
@@ -115,11 +118,12 @@ impl Explanation<'_> {
     }
 }
 
-/// Explains a ray: what it meets first, why each other object is not that, and what lies behind. It looks at every object, so
-/// that it takes time in proportion to their number.
+/// Explains a ray: what it meets first, why each other object is not that, and what lies behind. It
+/// looks at every object, so that it takes time in proportion to their number.
 ///
-/// All of it agrees to the bit with what [`trace`] answers. Whether a box is missed is decided in exact arithmetic. The box is the one
-/// around the object in the world, that the tree over the objects is made from; where an object is turned, its corners are rounded.
+/// All of it agrees to the bit with what [`trace`] answers. Whether a box is missed is decided in
+/// exact arithmetic. The box is the one around the object in the world, that the tree over the
+/// objects is made from; where an object is turned, its corners are rounded.
 ///
 /// ```
 /// use firsthit::explain::{ExplainSettings, Reason, explain};
@@ -143,8 +147,8 @@ impl Explanation<'_> {
 ///
 /// # Errors
 ///
-/// [`Error::Argument`] for an object of `among` that is not there, [`Error::Limit`] when memory is short,
-/// [`Error::Interrupted`] when `watch` stops it.
+/// [`Error::Argument`] for an object of `among` that is not there, [`Error::Limit`] when memory is
+/// short, [`Error::Interrupted`] when `watch` stops it.
 pub fn explain<'a>(
     scene: &'a Scene,
     ray: &Ray,

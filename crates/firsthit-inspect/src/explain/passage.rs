@@ -1,8 +1,8 @@
 //! The passage of a ray by a box, in exact arithmetic.
 //!
-//! Along each axis the line of the ray is between both sides of the box from one parameter to another. The line meets the box where no axis is
-//! left before another is entered. Parameters are quotients; they are compared by products, which are summed without
-//! rounding.
+//! Along each axis the line of the ray is between both sides of the box from one parameter to
+//! another. The line meets the box where no axis is left before another is entered. Parameters are
+//! quotients; they are compared by products, which are summed without rounding.
 
 use std::cmp::Ordering;
 
@@ -24,7 +24,8 @@ pub(super) enum Passage {
     Met,
 }
 
-/// A parameter where the line crosses a plane at right angles to an axis: `(plane - origin) / step`.
+/// A parameter where the line crosses a plane at right angles to an axis: `(plane - origin) /
+/// step`.
 #[derive(Clone, Copy)]
 struct Crossed {
     plane: f64,
@@ -140,7 +141,8 @@ mod tests {
         }
     }
 
-    // Few values, so that rays go through edges and corners, along sides, and start and end on them.
+    // Few values, so that rays go through edges and corners, along sides, and start and end on
+    // them.
     const PLACES: &[f64] = &[-1.0, 0.0, 0.1, 0.3, 1.0, 1.0 + f64::EPSILON, 1e17, 5e-324];
     const STEPS: &[f64] = &[-1.0, 0.0, 0.0, 0.1, 0.3, 1.0, 1e100, 1e-200];
     const ENDS: &[f64] = &[-1.0, 0.0, 0.1, 1.0, 3.0, 10.0, f64::INFINITY];

@@ -24,8 +24,8 @@ pub struct Pixel {
     pub z: f64,
 }
 
-/// Explains the ray through the centre of a camera's pixel, as [`explain`] does a ray. The pixel is its row from the top and
-/// its column from the left, both from 0.
+/// Explains the ray through the centre of a camera's pixel, as [`explain`] does a ray. The pixel is
+/// its row from the top and its column from the left, both from 0.
 ///
 /// ```
 /// use firsthit::explain::{ExplainSettings, explain_pixel};

@@ -16,13 +16,15 @@ use crate::watch::Watch;
 /// The colour of a face that nothing is wrong with, sRGB.
 const FINE: [u8; 3] = [200, 200, 200];
 
-/// Writes all meshes to a PLY file, whole or not at all, in world space. A face has the colour of the first kind of which it is a
-/// part ([`FindingKind::color`](super::FindingKind::color)), or light grey.
+/// Writes all meshes to a PLY file, whole or not at all, in world space. A face has the colour of
+/// the first kind of which it is a part ([`FindingKind::color`](super::FindingKind::color)), or
+/// light grey.
 ///
 /// # Errors
 ///
-/// [`Error::Argument`] for another extension than `.ply` and for the report of another scene, [`Error::Limit`] for more vertices than
-/// the format counts and when memory is short, and those of [`write_whole`].
+/// [`Error::Argument`] for another extension than `.ply` and for the report of another scene,
+/// [`Error::Limit`] for more vertices than the format counts and when memory is short, and those of
+/// [`write_whole`].
 pub fn save_marked(
     scene: &Scene,
     report: &Report,

@@ -1,12 +1,15 @@
-//! Do two triangles meet in more than what they share? Decided by signs of determinants alone, which are exact.
+//! Do two triangles meet in more than what they share? Decided by signs of determinants alone,
+//! which are exact.
 //!
-//! Two triangles meet if an edge of one meets the other. After Guigue and Devillers, "Fast and Robust Triangle-Triangle Overlap Test
-//! Using Orientation Predicates", Journal of Graphics Tools 8(1), 2003, with each edge tested by itself:
+//! Two triangles meet if an edge of one meets the other. After Guigue and Devillers, "Fast and
+//! Robust Triangle-Triangle Overlap Test Using Orientation Predicates", Journal of Graphics Tools
+//! 8(1), 2003, with each edge tested by itself:
 //!
 //! - Without a shared vertex, they meet if one of the six edges meets the other triangle.
-//! - With one, what they have in common reaches from it to the opposite edge of one of them, if it is more than the vertex: so they
-//!   meet if one of these two edges meets the other triangle.
-//! - With two, both are on one side of the shared edge in one plane, or it is all that they have in common.
+//! - With one, what they have in common reaches from it to the opposite edge of one of them, if it
+//!   is more than the vertex: so they meet if one of these two edges meets the other triangle.
+//! - With two, both are on one side of the shared edge in one plane, or it is all that they have in
+//!   common.
 
 use std::cmp::Ordering::{self, Equal, Greater, Less};
 
@@ -20,7 +23,8 @@ pub(super) struct Face {
     pub(super) places: [u32; 3],
 }
 
-/// Whether two triangles meet in more than the vertices and the edge that they share. Not if they share all vertices.
+/// Whether two triangles meet in more than the vertices and the edge that they share. Not if they
+/// share all vertices.
 pub(super) fn meet(p: &Face, q: &Face) -> bool {
     let shared = |k: usize| q.places.iter().position(|&place| place == p.places[k]);
     match [0, 1, 2].map(shared) {
@@ -35,8 +39,8 @@ pub(super) fn meet(p: &Face, q: &Face) -> bool {
     }
 }
 
-/// The sides of a triangle's plane on which the corners of another are. A corner that they share is in the plane, which would take exact
-/// arithmetic to find.
+/// The sides of a triangle's plane on which the corners of another are. A corner that they share is
+/// in the plane, which would take exact arithmetic to find.
 fn sides(of: &Face, corners: &[DVec3; 3], shared: Option<usize>) -> [Ordering; 3] {
     let [a, b, c] = of.corners;
     [0, 1, 2].map(|k| if Some(k) == shared { Equal } else { orient_3d([a, b, c, corners[k]]) })
@@ -49,8 +53,8 @@ fn is_apart(sides: [Ordering; 3], shared: Option<usize>) -> bool {
     first.is_some_and(|first| first != Equal && others.all(|side| side == first))
 }
 
-/// The sides of each other's planes on which the corners of `p` and of `q` are, if neither is apart from the other's plane. They may share
-/// a corner, one of each.
+/// The sides of each other's planes on which the corners of `p` and of `q` are, if neither is apart
+/// from the other's plane. They may share a corner, one of each.
 fn crossing_sides(p: &Face, q: &Face, shared: Option<[usize; 2]>) -> Option<[[Ordering; 3]; 2]> {
     let [k, l] = [0, 1].map(|of| shared.map(|shared| shared[of]));
     let of_q = sides(p, &q.corners, l);
@@ -92,7 +96,8 @@ fn are_folded(p: &Face, q: &Face, [k, l]: [usize; 2]) -> bool {
     orient_2d([a, b, c], axis) == orient_2d([a, b, d], axis)
 }
 
-/// Whether the edge of `p` from the corner `k` on meets `q`; the corners of `p` are on `sides` of the plane of `q`.
+/// Whether the edge of `p` from the corner `k` on meets `q`; the corners of `p` are on `sides` of
+/// the plane of `q`.
 fn edge_meets(k: usize, p: &Face, sides: &[Ordering; 3], q: &Face) -> bool {
     let l = (k + 1) % 3;
     let [a, b] = [p.corners[k], p.corners[l]];

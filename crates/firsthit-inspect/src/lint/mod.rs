@@ -1,8 +1,9 @@
 //! Checks meshes for likely faults: holes, flipped faces, self-intersections and more.
 //!
-//! A [`FindingKind`] is a row of [`KINDS`]. Most look at each mesh by itself; objects that share a mesh are looked at once. Vertices in one
-//! place are one, to the last bit, whether or not triangles share them by index. All that decides is exact: areas, volumes and
-//! whether triangles meet are signs of determinants on the float64 numbers.
+//! A [`FindingKind`] is a row of [`KINDS`]. Most look at each mesh by itself; objects that share a
+//! mesh are looked at once. Vertices in one place are one, to the last bit, whether or not
+//! triangles share them by index. All that decides is exact: areas, volumes and whether triangles
+//! meet are signs of determinants on the float64 numbers.
 
 mod edges;
 mod faces;
@@ -81,7 +82,8 @@ struct Facts<'a> {
 ///
 /// # Errors
 ///
-/// [`Error::Limit`](crate::error::Error::Limit) when memory is short, and [`Error::Interrupted`](crate::error::Error::Interrupted).
+/// [`Error::Limit`](crate::error::Error::Limit) when memory is short, and
+/// [`Error::Interrupted`](crate::error::Error::Interrupted).
 pub fn lint(scene: &Scene, settings: &LintSettings, watch: &dyn Watch) -> Result<Report> {
     let is_wanted = |kind: &&FindingKind| !settings.ignore.contains(kind);
     let checked: Vec<&'static FindingKind> = KINDS.iter().filter(is_wanted).collect();

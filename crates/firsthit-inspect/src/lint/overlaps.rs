@@ -1,10 +1,12 @@
-//! Closed shells that overlap: they cut each other, or one is within another that faces the same way. There the rule decides what is inside.
+//! Closed shells that overlap: they cut each other, or one is within another that faces the same
+//! way. There the rule decides what is inside.
 //!
 //! 1. Only shells whose boxes have room in common are looked at.
 //! 2. Shells of which an edge goes through a face of the other overlap.
 //! 3. Shells that only touch overlap if one is in part within the other, and in part without.
-//! 4. Any other is within or without each of the others as a whole: a ray from a face tells, of which each crossing counts once. How
-//!    often the others go around it is the sum of their signs. It fits if they do not at all, or once the other way: a cavity.
+//! 4. Any other is within or without each of the others as a whole: a ray from a face tells, of
+//!    which each crossing counts once. How often the others go around it is the sum of their signs.
+//!    It fits if they do not at all, or once the other way: a cavity.
 
 use std::cmp::Ordering;
 use std::collections::HashSet;
@@ -165,7 +167,8 @@ impl<'a> Beside<'a> {
         Ok(())
     }
 
-    /// Notes whether a shell overlaps others, none of which has an edge that goes through a face of it.
+    /// Notes whether a shell overlaps others, none of which has an edge that goes through a face of
+    /// it.
     fn place(
         &mut self,
         k: usize,

@@ -84,7 +84,8 @@ pub struct Finding {
 /// The place of a finding.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Place {
-    /// The object's identifier; of objects that share a mesh the first in which it is found. `None` where it is about the whole scene.
+    /// The object's identifier; of objects that share a mesh the first in which it is found. `None`
+    /// where it is about the whole scene.
     pub object: Option<i32>,
     /// A triangle of its mesh, if it is about one.
     pub primitive: Option<i32>,
@@ -103,7 +104,8 @@ pub(super) struct FindingCollector<'a> {
 }
 
 impl FindingCollector<'_> {
-    /// Counts one in a subject, at a point of object space, and marks its triangles, of which the first is its place.
+    /// Counts one in a subject, at a point of object space, and marks its triangles, of which the
+    /// first is its place.
     pub(super) fn add(&mut self, subject: &Subject<'_>, triangles: &[u32], position: DVec3) {
         let place = || Place {
             object: Some(subject.object),

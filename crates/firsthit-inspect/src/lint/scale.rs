@@ -12,8 +12,8 @@ use crate::watch::Watch;
 /// side. It has 2^24 at the origin: ten of 24 binary digits may be lost to the offset.
 const STEPS: f64 = 16384.0;
 
-/// Scenes are not expected to be smaller or larger, in scene units. In metres the first is a millimetre; in millimetres the second
-/// is a kilometre.
+/// Scenes are not expected to be smaller or larger, in scene units. In metres the first is a
+/// millimetre; in millimetres the second is a kilometre.
 const SIZES: [f64; 2] = [1e-3, 1e6];
 
 /// A mesh in float32 whose offset takes its digits.

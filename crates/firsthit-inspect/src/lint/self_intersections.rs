@@ -1,7 +1,8 @@
 //! Faces that meet other faces of their mesh.
 //!
-//! A tree over the boxes of all faces gives the candidates. The face and a candidate are then judged exactly ([`meet`]). What one face
-//! has found about itself and another, the other need not find out again.
+//! A tree over the boxes of all faces gives the candidates. The face and a candidate are then
+//! judged exactly ([`meet`]). What one face has found about itself and another, the other need not
+//! find out again.
 
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicU8, Ordering::Relaxed};
@@ -16,10 +17,12 @@ use crate::memory;
 use crate::parallel;
 use crate::watch::{Watch, stop_if_asked};
 
-/// The memory of a face in bytes: its box's part of the tree while that is built, and one byte of [`UNKNOWN`], [`CLEAN`] or [`MEETING`].
+/// The memory of a face in bytes: its box's part of the tree while that is built, and one byte of
+/// [`UNKNOWN`], [`CLEAN`] or [`MEETING`].
 const TREE_BYTES: usize = 193;
 
-/// A face is not judged yet, meets no other, or meets one. Two threads may judge one face, and come to the same.
+/// A face is not judged yet, meets no other, or meets one. Two threads may judge one face, and come
+/// to the same.
 const UNKNOWN: u8 = 0;
 const CLEAN: u8 = 1;
 const MEETING: u8 = 2;
@@ -69,7 +72,8 @@ pub(super) fn check(
 #[expect(clippy::cast_possible_truncation, reason = "it is small")]
 const CHUNK_U32: u32 = CHUNK as u32;
 
-/// Whether a face meets another in more than what they share; it breaks off when the caller wants to stop.
+/// Whether a face meets another in more than what they share; it breaks off when the caller wants
+/// to stop.
 fn meets_another(
     subject: &Subject<'_>,
     (tree, known): (&Bvh, &[AtomicU8]),

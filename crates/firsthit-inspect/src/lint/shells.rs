@@ -1,12 +1,13 @@
 //! Closed surfaces that are inside out.
 //!
-//! 1. Faces that meet at an edge of two faces are of one shell. At an edge of more, so are those of shells that have it an odd number of
-//!    times. A shell is closed if it has each of its edges an even number of times.
+//! 1. Faces that meet at an edge of two faces are of one shell. At an edge of more, so are those of
+//!    shells that have it an odd number of times. A shell is closed if it has each of its edges an
+//!    even number of times.
 //! 2. Where its faces do not face alike, the fewer count as turned (`Mesh::turned`).
-//! 3. Decide the sign of a closed shell's volume: by float64 and an error bound, or without rounding. A shell that cannot face one way
-//!    has none.
-//! 4. A cavity is a shell with a negative volume too, but within another one. So a shell is inside out if its volume is negative and
-//!    its box is in the box of no shell with a positive volume.
+//! 3. Decide the sign of a closed shell's volume: by float64 and an error bound, or without
+//!    rounding. A shell that cannot face one way has none.
+//! 4. A cavity is a shell with a negative volume too, but within another one. So a shell is inside
+//!    out if its volume is negative and its box is in the box of no shell with a positive volume.
 
 use std::cmp::Ordering;
 

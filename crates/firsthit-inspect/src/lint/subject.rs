@@ -36,7 +36,8 @@ pub(super) struct Subject<'a> {
     pub(super) has_area: Vec<bool>,
     /// The triangles whose corners are in the same places, in any order: each group in order.
     pub(super) copies: Vec<Vec<u32>>,
-    /// The uses of edges, those of one edge side by side, by triangles with three places that are not repeated.
+    /// The uses of edges, those of one edge side by side, by triangles with three places that are
+    /// not repeated.
     pub(super) edges: Vec<EdgeUse>,
     /// The closed shells, once they are asked for.
     shells: OnceLock<Vec<Shell>>,

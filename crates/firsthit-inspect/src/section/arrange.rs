@@ -1,14 +1,16 @@
 //! Polylines that cross, taken apart and put together anew as outlines of what is inside.
 //!
-//! 1. Split lines where others cross them, end on them or run along them. A crossing is rounded to float64, which moves lines a little,
-//!    so that they may cross others: again, until none does.
+//! 1. Split lines where others cross them, end on them or run along them. A crossing is rounded to
+//!    float64, which moves lines a little, so that they may cross others: again, until none does.
 //! 2. Lines in one place are one, which counts as often as they go one way more than the other.
-//! 3. Count how often the lines go around both sides of each, and keep those with the inside on one side: that becomes their left.
+//! 3. Count how often the lines go around both sides of each, and keep those with the inside on one
+//!    side: that becomes their left.
 //! 4. As many of them come to a point as leave it, so that they are closed curves. Where several
 //!    leave, the sharpest turn to the left is next: then curves that touch in a point stay apart.
 //!
-//! Every sign is exact, so that what is put together fits. After Hobby, "Practical segment intersection with finite precision output",
-//! Computational Geometry 13(4), 1999, without its grid.
+//! Every sign is exact, so that what is put together fits. After Hobby, "Practical segment
+//! intersection with finite precision output", Computational Geometry 13(4), 1999, without its
+//! grid.
 
 use std::cmp::Ordering;
 use std::collections::HashMap;
@@ -57,7 +59,8 @@ struct Edge {
     primitive: i32,
 }
 
-/// Puts the polylines of one object, those from number `first` on, together anew. Returns whether it could: else they are as they were.
+/// Puts the polylines of one object, those from number `first` on, together anew. Returns whether
+/// it could: else they are as they were.
 pub(super) fn arrange(
     section: &mut Section,
     first: usize,
@@ -89,7 +92,8 @@ pub(super) fn arrange(
     Ok(true)
 }
 
-/// The lines split so that they meet at their ends alone, or have both ends in common; `None` if that has no end.
+/// The lines split so that they meet at their ends alone, or have both ends in common; `None` if
+/// that has no end.
 fn split(nodes: &mut Nodes, mut edges: Vec<Edge>, watch: &dyn Watch) -> Result<Option<Vec<Edge>>> {
     for _ in 0..ROUNDS {
         edges.retain(|edge| edge.ends[0] != edge.ends[1]);

@@ -1,11 +1,12 @@
 //! Joins segments to polylines, by the edges at which they meet.
 //!
 //! 1. Sort the ends of all segments by their edges.
-//! 2. At each edge, link the ends of segments with the starts of others, in the order of the triangles. That is one of each
-//!    where a mesh is closed and wound consistently. What is left over, two starts or two ends, is linked in pairs, in the same
-//!    order; and a last one stays open.
-//! 3. Follow the links from the first segment that is not in a polyline yet. Where they end, the polyline is open; it then
-//!    starts at the end that is found by going backwards.
+//! 2. At each edge, link the ends of segments with the starts of others, in the order of the
+//!    triangles. That is one of each where a mesh is closed and wound consistently. What is left
+//!    over, two starts or two ends, is linked in pairs, in the same order; and a last one stays
+//!    open.
+//! 3. Follow the links from the first segment that is not in a polyline yet. Where they end, the
+//!    polyline is open; it then starts at the end that is found by going backwards.
 //!
 //! Distances decide nothing, so that a polyline is open only where the mesh is.
 
@@ -97,7 +98,8 @@ impl<'a> Links<'a> {
         Ok(Self { segments, met: links, points })
     }
 
-    /// The end from which a polyline through a segment, given by its start, is followed: that start, or the open end before it.
+    /// The end from which a polyline through a segment, given by its start, is followed: that
+    /// start, or the open end before it.
     fn first(&self, start: End) -> End {
         let mut end = start;
         loop {
@@ -109,8 +111,8 @@ impl<'a> Links<'a> {
         }
     }
 
-    /// Adds the polyline that begins at an end. A segment without a length, of a triangle that has only a corner in the plane, is
-    /// left out, and so is a polyline of nothing else.
+    /// Adds the polyline that begins at an end. A segment without a length, of a triangle that has
+    /// only a corner in the plane, is left out, and so is a polyline of nothing else.
     fn follow(&self, object: i32, first: End, is_done: &mut [bool], section: &mut Section) {
         let [point, segment] = [section.points.len(), section.primitives.len()];
         let mut start = first;

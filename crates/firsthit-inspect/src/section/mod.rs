@@ -1,17 +1,20 @@
 //! Sections: the curves in which a plane cuts the meshes of a scene.
 //!
-//! 1. Decide for each corner of each triangle on which side of the plane it is, in exact arithmetic on the float64 numbers. A corner
-//!    on the plane counts as one on the positive side. This is the simplest case of simulation of simplicity (Edelsbrunner and Mücke,
-//!    ACM Transactions on Graphics 9(1), 1990): the plane is moved back by less than any number.
+//! 1. Decide for each corner of each triangle on which side of the plane it is, in exact arithmetic
+//!    on the float64 numbers. A corner on the plane counts as one on the positive side. This is the
+//!    simplest case of simulation of simplicity (Edelsbrunner and Mücke, ACM Transactions on
+//!    Graphics 9(1), 1990): the plane is moved back by less than any number.
 //! 2. Each triangle with corners on both sides gives one segment between two of its edges.
 //! 3. Compute the crossing of each edge once, from its two ends in a fixed order.
-//! 4. Join segments at the edges that they share (`join.rs`), which are told apart by the places of their ends. So triangles join
-//!    that have vertices of their own, as those of STL files have.
-//! 5. Where all are closed, they become the outlines of what is inside (`outline.rs`), by the rule that all measures of solids have.
+//! 4. Join segments at the edges that they share (`join.rs`), which are told apart by the places of
+//!    their ends. So triangles join that have vertices of their own, as those of STL files have.
+//! 5. Where all are closed, they become the outlines of what is inside (`outline.rs`), by the rule
+//!    that all measures of solids have.
 //!
-//! The polylines of a closed mesh are therefore closed, whatever lies on the plane. A face in the plane is cut if the solid is below
-//! it, and not if it is above. Where a mesh touches the plane from below, at an edge or at a face of no thickness, a polyline goes
-//! there and back; where it touches at a point there is nothing.
+//! The polylines of a closed mesh are therefore closed, whatever lies on the plane. A face in the
+//! plane is cut if the solid is below it, and not if it is above. Where a mesh touches the plane
+//! from below, at an edge or at a face of no thickness, a polyline goes there and back; where it
+//! touches at a point there is nothing.
 
 mod arrange;
 #[cfg(feature = "frame")]
@@ -38,7 +41,8 @@ use crate::watch::Watch;
 use outline::Outlines;
 use segments::Placed;
 
-/// The curves of a plane through a scene, in the order of objects and, of each object, of the lowest primitive.
+/// The curves of a plane through a scene, in the order of objects and, of each object, of the
+/// lowest primitive.
 #[derive(Clone, PartialEq)]
 pub struct Section {
     plane: SectionPlane,
@@ -49,7 +53,8 @@ pub struct Section {
     warnings: Vec<String>,
 }
 
-/// A polyline's object, and which points and primitives are its own, from the first up to the last, that one excluded.
+/// A polyline's object, and which points and primitives are its own, from the first up to the last,
+/// that one excluded.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Extent {
     object: i32,
@@ -67,8 +72,9 @@ impl Extent {
 
 /// A curve of a [`Section`].
 ///
-/// A closed one runs so that the inside of a solid is on its left, seen from where the plane's normal points: counter-clockwise around
-/// material, clockwise around holes. An open one runs as its triangle of the lowest number says.
+/// A closed one runs so that the inside of a solid is on its left, seen from where the plane's
+/// normal points: counter-clockwise around material, clockwise around holes. An open one runs as
+/// its triangle of the lowest number says.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Polyline<'a> {
     /// The object's identifier.
@@ -79,8 +85,8 @@ pub struct Polyline<'a> {
     /// is the crossing of an edge with the plane, next to the nearest float64, or a vertex that is
     /// exactly on the plane; and where curves of a mesh cross each other, a point on both.
     pub points: &'a [DVec3],
-    /// The triangle of each segment, the one that starts at the point of the same index; of several in one place the lowest. An open
-    /// polyline has one less than points.
+    /// The triangle of each segment, the one that starts at the point of the same index; of several
+    /// in one place the lowest. An open polyline has one less than points.
     pub primitives: &'a [i32],
 }
 
@@ -94,7 +100,8 @@ impl Polyline<'_> {
         }
     }
 
-    /// The area inside, in squares of scene units: positive around material, negative around holes. `None` for an open one.
+    /// The area inside, in squares of scene units: positive around material, negative around holes.
+    /// `None` for an open one.
     pub fn area(&self, plane: &SectionPlane) -> Option<f64> {
         if !self.is_closed {
             return None;
@@ -148,7 +155,8 @@ impl Section {
         })
     }
 
-    /// The area of all closed polylines, in squares of scene units: outlines less their holes. Where objects overlap, both count.
+    /// The area of all closed polylines, in squares of scene units: outlines less their holes.
+    /// Where objects overlap, both count.
     pub fn area(&self) -> f64 {
         let areas = self.polylines().map(|polyline| polyline.area(&self.plane));
         // A sum of nothing is -0.
@@ -173,8 +181,9 @@ impl Section {
 
 /// The curves in which a plane cuts all meshes, in world space. `watch` may end it.
 ///
-/// An object with a transform is cut as its vertices are in the world, rounded to float64. Spheres and other shapes that are no
-/// meshes are left out, and [`Section::warnings`] says so. See [`section`](crate::section) for what lies on the plane.
+/// An object with a transform is cut as its vertices are in the world, rounded to float64. Spheres
+/// and other shapes that are no meshes are left out, and [`Section::warnings`] says so. See
+/// [`section`](crate::section) for what lies on the plane.
 ///
 /// ```
 /// use std::sync::Arc;
@@ -197,7 +206,8 @@ impl Section {
 ///
 /// # Errors
 ///
-/// [`Error::Limit`](crate::error::Error::Limit) when memory is short, and [`Error::Interrupted`](crate::error::Error::Interrupted).
+/// [`Error::Limit`](crate::error::Error::Limit) when memory is short, and
+/// [`Error::Interrupted`](crate::error::Error::Interrupted).
 pub fn section(scene: &Scene, plane: SectionPlane, watch: &dyn Watch) -> Result<Section> {
     section_with(FillRule::default(), scene, plane, watch)
 }
@@ -308,7 +318,8 @@ impl Section {
         });
     }
 
-    /// The warning that the area leaves open curves out. There is none where all are open, as those of a terrain: it encloses nothing.
+    /// The warning that the area leaves open curves out. There is none where all are open, as those
+    /// of a terrain: it encloses nothing.
     fn gap_warning(&self) -> Option<String> {
         let open = self.polylines().filter(|curve| !curve.is_closed).count();
         let is_mixed = open > 0 && open < self.len();

@@ -1,13 +1,16 @@
 //! Makes the outlines of the inside from the closed polylines of a mesh.
 //!
-//! 1. Nearly always they are that already: no two of them meet, and each has the inside on its left alone. How often they go around
-//!    the two sides of a line is counted along a ray in the plane (`planar.rs`).
-//! 2. Else the mesh is asked which way its triangles face. A polyline with the inside on its right is turned around, and one that
-//!    has it on both sides or on neither is left out.
-//! 3. Where polylines cross, or run along each other, they are taken apart into lines that meet at their ends alone, and put together
-//!    anew from those lines that have the inside on one side (`arrange.rs`).
+//! 1. Nearly always they are that already: no two of them meet, and each has the inside on its left
+//!    alone. How often they go around the two sides of a line is counted along a ray in the plane
+//!    (`planar.rs`).
+//! 2. Else the mesh is asked which way its triangles face. A polyline with the inside on its right
+//!    is turned around, and one that has it on both sides or on neither is left out.
+//! 3. Where polylines cross, or run along each other, they are taken apart into lines that meet at
+//!    their ends alone, and put together anew from those lines that have the inside on one side
+//!    (`arrange.rs`).
 //!
-//! A line that a polyline goes along there and back is left to it: the mesh touches the plane there.
+//! A line that a polyline goes along there and back is left to it: the mesh touches the plane
+//! there.
 
 use super::planar::{Line, Lines, Meeting};
 use super::segments::CHUNK;
@@ -94,7 +97,8 @@ pub(super) fn judge(
     if meetings.iter().any(|seen| seen.is_tangled) {
         return Ok(Outlines::Tangled);
     }
-    // Where polylines meet at ends, one may have its inside on the left here and on the right there.
+    // Where polylines meet at ends, one may have its inside on the left here and on the right
+    // there.
     let is_pinched = meetings.iter().any(|seen| seen.is_pinched);
     let mut fates = vec![Fate::Stays; extents.len()];
     let mut is_judged = vec![false; extents.len()];

@@ -1,5 +1,5 @@
-//! Line segments in the section's plane: how they meet, and how often they go around what is beside them. All signs are exact for the
-//! float64 coordinates.
+//! Line segments in the section's plane: how they meet, and how often they go around what is beside
+//! them. All signs are exact for the float64 coordinates.
 
 use std::cmp::Ordering;
 
@@ -11,7 +11,8 @@ use crate::geometry::{Bounds, DVec3};
 use crate::parallel;
 use crate::watch::{Watch, stop_if_asked};
 
-/// A segment from one point to another of the plane, whose third coordinate is zero. No zero in it is negative, and the points differ.
+/// A segment from one point to another of the plane, whose third coordinate is zero. No zero in it
+/// is negative, and the points differ.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Line {
     pub(super) from: DVec3,
@@ -30,7 +31,8 @@ pub(super) enum Meeting {
     Inside,
 }
 
-/// The order of points by x, then y. It is that of x where the plane is sheared by less than any number; then no line is vertical.
+/// The order of points by x, then y. It is that of x where the plane is sheared by less than any
+/// number; then no line is vertical.
 fn order(p: DVec3, q: DVec3) -> Ordering {
     p.x.total_cmp(&q.x).then(p.y.total_cmp(&q.y))
 }
@@ -99,8 +101,8 @@ impl Line {
         }
     }
 
-    /// Whether it is above another line, just to the right of where that begins. It is there, and the two do not cross. Both go to
-    /// the right.
+    /// Whether it is above another line, just to the right of where that begins. It is there, and
+    /// the two do not cross. Both go to the right.
     fn is_above(self, other: Self) -> bool {
         if self.from == other.from {
             return side(other, self.to) == Ordering::Greater;

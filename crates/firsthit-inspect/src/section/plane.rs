@@ -14,9 +14,10 @@ use crate::geometry::{
 
 /// A plane with coordinates of its own.
 ///
-/// The frame is right-handed: `u`, `v` and `normal` have length one and are at right angles. `u` is the world axis that has the
-/// smallest component along the normal (of equal ones the first), projected to the plane, and `v` is `normal x u`. So on a plane of
-/// constant z with the normal +z they are x and y.
+/// The frame is right-handed: `u`, `v` and `normal` have length one and are at right angles. `u` is
+/// the world axis that has the smallest component along the normal (of equal ones the first),
+/// projected to the plane, and `v` is `normal x u`. So on a plane of constant z with the normal +z
+/// they are x and y.
 ///
 /// ```
 /// use firsthit::DVec3;
@@ -40,12 +41,13 @@ pub struct SectionPlane {
 }
 
 impl SectionPlane {
-    /// The plane through `origin` at right angles to `normal`, in world space. The normal may have any length but zero.
+    /// The plane through `origin` at right angles to `normal`, in world space. The normal may have
+    /// any length but zero.
     ///
     /// # Errors
     ///
-    /// [`Error::Argument`](crate::error::Error::Argument) for numbers that are not finite, a normal that is zero, and an origin beyond
-    /// 10^150.
+    /// [`Error::Argument`](crate::error::Error::Argument) for numbers that are not finite, a normal
+    /// that is zero, and an origin beyond 10^150.
     pub fn new(origin: DVec3, normal: DVec3) -> Result<Self> {
         let origin = require_finite("origin", origin)?;
         let is_near = origin.abs().max_element() <= Ray::FARTHEST;

@@ -17,8 +17,9 @@ use crate::watch::{Watch, stop_if_asked};
 /// The number of triangles that are looked at between two questions whether to stop.
 pub(super) const CHUNK: usize = 1 << 14;
 
-/// An edge, by its ends in the world: the lower one first, in the order of x, then y, then z. No zero in it is negative. So
-/// triangles that meet at an edge have the same one, whether or not they share vertices.
+/// An edge, by its ends in the world: the lower one first, in the order of x, then y, then z. No
+/// zero in it is negative. So triangles that meet at an edge have the same one, whether or not they
+/// share vertices.
 pub(super) type Edge = [DVec3; 2];
 
 /// The part of a triangle in the plane: from the edge at which its border leaves the positive side
@@ -46,8 +47,8 @@ impl<'a> Placed<'a> {
         Some(Self { mesh: object.mesh()?, transform, is_mirrored: is_mirrored(transform) })
     }
 
-    /// A box around its points as they are in the world, to the last bit: a point and the box's corners go through the same
-    /// operations, and rounding is monotone.
+    /// A box around its points as they are in the world, to the last bit: a point and the box's
+    /// corners go through the same operations, and rounding is monotone.
     fn bounds(&self) -> Bounds {
         let bounds = self.mesh.bounds();
         if self.transform.is_identity() {
@@ -89,8 +90,8 @@ impl<'a> Placed<'a> {
         self.mesh.is_closed()
     }
 
-    /// The segments of all triangles that the plane crosses, in the order of the triangles. They face as their corners say, or as
-    /// `facing` does.
+    /// The segments of all triangles that the plane crosses, in the order of the triangles. They
+    /// face as their corners say, or as `facing` does.
     pub(super) fn segments(
         &self,
         plane: &SectionPlane,
@@ -114,8 +115,8 @@ impl<'a> Placed<'a> {
         })
     }
 
-    /// The segment of a triangle that the plane crosses. One that starts and ends at the same edge, for two of the triangle's
-    /// corners are in one place, is none.
+    /// The segment of a triangle that the plane crosses. One that starts and ends at the same edge,
+    /// for two of the triangle's corners are in one place, is none.
     fn segment(&self, plane: &SectionPlane, triangle: usize, is_turned: bool) -> Option<Segment> {
         let corners = self.corners(triangle);
         let above = above(plane, &corners);

@@ -12,9 +12,9 @@ const LARGEST_WHOLE: u64 = 1 << 53;
 /// The most digits that surely fit.
 const MOST_DIGITS: usize = 18;
 
-/// The number at the start of `text`, and the rest of the text, if float64 holds both its digits and its power of ten
-/// exactly: then one operation rounds correctly (Clinger, "How to Read Floating Point Numbers Accurately", PLDI 1990).
-/// `None` says nothing about the text.
+/// The number at the start of `text`, and the rest of the text, if float64 holds both its digits
+/// and its power of ten exactly: then one operation rounds correctly (Clinger, "How to Read
+/// Floating Point Numbers Accurately", PLDI 1990). `None` says nothing about the text.
 #[inline]
 pub(super) fn number(text: &[u8]) -> Option<(f64, &[u8])> {
     let (is_negative, rest) = sign(text);
@@ -46,7 +46,8 @@ fn sign(text: &[u8]) -> (bool, &[u8]) {
     }
 }
 
-/// Appends the digits at the start of a text to a number; with it come what follows, and how many there were.
+/// Appends the digits at the start of a text to a number; with it come what follows, and how many
+/// there were.
 #[inline]
 fn digits(mut number: u64, text: &[u8]) -> (u64, &[u8], usize) {
     let mut rest = text;

@@ -32,8 +32,9 @@ impl Format {
     ///
     /// # Errors
     ///
-    /// [`Error::Parse`](crate::error::Error::Parse) for wrong content, [`Error::TooLarge`](crate::error::Error::TooLarge) for more
-    /// than the settings allow, and [`Error::Limit`](crate::error::Error::Limit) for more than identifiers hold.
+    /// [`Error::Parse`](crate::error::Error::Parse) for wrong content,
+    /// [`Error::TooLarge`](crate::error::Error::TooLarge) for more than the settings allow, and
+    /// [`Error::Limit`](crate::error::Error::Limit) for more than identifiers hold.
     pub fn read<T>(
         &self,
         bytes: Cow<'_, [u8]>,
@@ -54,8 +55,8 @@ impl Format {
         content(report).map_err(|fault| fault.into_error(&path))
     }
 
-    /// Which way is up in a file that says `stated`, zero for nothing, and whether that is only a convention. A file that was made from
-    /// another may say so itself.
+    /// Which way is up in a file that says `stated`, zero for nothing, and whether that is only a
+    /// convention. A file that was made from another may say so itself.
     pub fn up(&self, stated: DVec3, is_guessed: bool) -> (DVec3, bool) {
         let is_stated = stated != DVec3::ZERO;
         let up = if is_stated { stated } else { self.up };
@@ -74,7 +75,8 @@ impl ModelFormat {
     ///
     /// # Errors
     ///
-    /// The errors of [`Format::read`], and [`Error::Argument`](crate::error::Error::Argument) for a scale that it cannot have.
+    /// The errors of [`Format::read`], and [`Error::Argument`](crate::error::Error::Argument) for a
+    /// scale that it cannot have.
     pub fn load(&self, bytes: Cow<'_, [u8]>, report: &mut Report) -> Result<Model> {
         let model = self.format.read(bytes, report, self.read)?;
         let scale = report.settings.scale;

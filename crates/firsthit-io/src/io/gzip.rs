@@ -32,8 +32,8 @@ pub(super) fn unpacked<'a>(bytes: Cow<'a, [u8]>, report: &mut Report) -> Checked
     Ok(content.into())
 }
 
-/// The content of all members of a packed file, one after the other, and how many bytes follow the last member that are
-/// neither another nor padding.
+/// The content of all members of a packed file, one after the other, and how many bytes follow the
+/// last member that are neither another nor padding.
 fn unpack(packed: &[u8], most: u64, watch: &dyn Watch) -> Checked<(Vec<u8>, usize)> {
     let (mut content, mut rest) = (Vec::new(), packed);
     while rest.starts_with(MAGIC) {

@@ -1,8 +1,8 @@
 //! The memory that one file may use.
 //!
-//! Two limits hold. All memory, the file's own content included, counts against `max_memory`. What the file describes
-//! (vertices, triangles, instances, names) counts against a multiple of the bytes that were read as well, so that a
-//! small file cannot ask for much.
+//! Two limits hold. All memory, the file's own content included, counts against `max_memory`. What
+//! the file describes (vertices, triangles, instances, names) counts against a multiple of the
+//! bytes that were read as well, so that a small file cannot ask for much.
 
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
@@ -106,13 +106,14 @@ impl MemoryBudget {
         self.charge_content(bytes, what)
     }
 
-    /// Charges memory for the file's own content, unpacked or parsed. It does not count as described.
+    /// Charges memory for the file's own content, unpacked or parsed. It does not count as
+    /// described.
     pub fn charge_content(&mut self, bytes: u64, what: &str) -> Checked<()> {
         self.take_memory(Place::File, bytes, what)
     }
 
-    /// Charges the bytes that were read from a file. They make room for what they describe: once, however often the
-    /// file is read.
+    /// Charges the bytes that were read from a file. They make room for what they describe: once,
+    /// however often the file is read.
     pub(crate) fn charge_read(&mut self, path: &Path, bytes: usize) -> Checked<()> {
         self.make_room(path, bytes);
         self.charge_content(bytes as u64, "its content")
@@ -128,8 +129,8 @@ impl MemoryBudget {
         }
     }
 
-    /// Charges the growth since the last call; `bytes` is the total by now. Loops in which few bytes can describe much
-    /// call it from time to time.
+    /// Charges the growth since the last call; `bytes` is the total by now. Loops in which few
+    /// bytes can describe much call it from time to time.
     pub(crate) fn charge_growth(&mut self, bytes: usize) -> Checked<()> {
         let more = bytes.saturating_sub(self.grown);
         self.grown += more;

@@ -1,7 +1,7 @@
 //! Files of meshes, models and environments: a file or a folder for each format.
 //!
-//! A file is untrusted: no count in it sizes an allocation, every index in it is checked, and no file outside its
-//! folder is opened.
+//! A file is untrusted: no count in it sizes an allocation, every index in it is checked, and no
+//! file outside its folder is opened.
 
 // A loader that panics is a loader that a file can crash.
 #![cfg_attr(

@@ -4,10 +4,12 @@ use crate::camera::{Description, Opening, View};
 use crate::geometry::DVec3;
 use crate::scene::{Light, Object};
 
-/// A model: objects, cameras and lights, and which way is up. How it looks in a picture is no part of it.
+/// A model: objects, cameras and lights, and which way is up. How it looks in a picture is no part
+/// of it.
 #[derive(Clone, Default)]
 pub struct Model {
-    /// The objects, in the order of their identifiers. Those without materials got no colour from the file.
+    /// The objects, in the order of their identifiers. Those without materials got no colour from
+    /// the file.
     pub objects: Vec<Object>,
     /// The cameras, in the file's order.
     pub cameras: Vec<NamedCamera>,
@@ -30,22 +32,23 @@ impl Model {
 pub struct NamedCamera {
     /// Its name; may be empty. In glTF, that of its node.
     pub name: String,
-    /// Another name that it goes by; may be empty. In glTF, that of the camera itself, which nodes may share.
+    /// Another name that it goes by; may be empty. In glTF, that of the camera itself, which nodes
+    /// may share.
     pub own_name: String,
     /// Its description in numbers.
     pub view: View,
-    /// Whether the file gives the number of pixels and the shape of the viewplane too. If not, only the view's height
-    /// counts, and the renderer decides about the rest.
+    /// Whether the file gives the number of pixels and the shape of the viewplane too. If not, only
+    /// the view's height counts, and the renderer decides about the rest.
     pub has_size: bool,
-    /// The camera as a scene file describes it, in part. The parts that it leaves open are decided anew when another
-    /// part is replaced.
+    /// The camera as a scene file describes it, in part. The parts that it leaves open are decided
+    /// anew when another part is replaced.
     pub description: Option<Description>,
 }
 
 impl NamedCamera {
-    /// The camera as a description, for a picture of `size` columns and rows. `None`: as many as the camera asks for,
-    /// or as the shape of its viewplane does. Where the file gives no size, the viewplane keeps its height, and its
-    /// width follows from square pixels.
+    /// The camera as a description, for a picture of `size` columns and rows. `None`: as many as
+    /// the camera asks for, or as the shape of its viewplane does. Where the file gives no size,
+    /// the viewplane keeps its height, and its width follows from square pixels.
     pub fn described(&self, size: Option<[usize; 2]>) -> Description {
         let whole = || Description::of(&self.view);
         let mut described = self.description.unwrap_or_else(whole);

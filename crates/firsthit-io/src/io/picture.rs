@@ -1,4 +1,5 @@
-//! Pictures for textures: PNG, JPEG, WebP, BMP, TGA, TIFF and GIF, their sizes checked before they are decoded.
+//! Pictures for textures: PNG, JPEG, WebP, BMP, TGA, TIFF and GIF, their sizes checked before they
+//! are decoded.
 
 use std::io::Cursor;
 use std::path::Path;
@@ -24,7 +25,8 @@ pub(super) fn sibling(scene: &Path, name: &str, report: &mut Report) -> Result<T
     decode(&bytes, extension, report)
 }
 
-/// The texels of a picture. Its own bytes tell the format; where they do not (TGA), the file's extension.
+/// The texels of a picture. Its own bytes tell the format; where they do not (TGA), the file's
+/// extension.
 ///
 /// # Errors
 ///

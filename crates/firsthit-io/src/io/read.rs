@@ -1,4 +1,5 @@
-//! Opens files: regular ones only, and those that a scene names only under its folder. No other file of this room does.
+//! Opens files: regular ones only, and those that a scene names only under its folder. No other
+//! file of this room does.
 
 use std::fs::{self, File};
 use std::io::{self, Read};
@@ -15,7 +16,8 @@ use crate::memory::Block;
 use crate::watch::{OnlyStops, Watch, stop_if_asked};
 
 /// The whole content of a regular file. Devices and pipes, which may never end, are refused, and no
-/// file is mapped: one that shrinks meanwhile would end the process. More than `most` bytes are refused.
+/// file is mapped: one that shrinks meanwhile would end the process. More than `most` bytes are
+/// refused.
 pub fn regular_file(path: &Path, most: u64, watch: &dyn Watch) -> Result<Vec<u8>> {
     /// The number of bytes between two questions whether to stop.
     const PIECE: u64 = 1 << 24;
@@ -50,8 +52,8 @@ pub fn regular_file(path: &Path, most: u64, watch: &dyn Watch) -> Result<Vec<u8>
     }
 }
 
-/// The whole content of a regular file, mapped where the system can do that. For files of our own that are replaced and
-/// never changed: one that shrinks meanwhile ends the process.
+/// The whole content of a regular file, mapped where the system can do that. For files of our own
+/// that are replaced and never changed: one that shrinks meanwhile ends the process.
 pub fn mapped_file(path: &Path) -> Result<Block> {
     let (file, size) = opened(path)?;
     let length = usize::try_from(size).map_err(|_| io::ErrorKind::FileTooLarge.into());
@@ -100,8 +102,8 @@ pub(crate) fn content(path: &Path, report: &mut Report) -> Checked<Vec<u8>> {
     Ok(gzip::unpacked(bytes.into(), report)?.into_owned())
 }
 
-/// The content of a sibling; a file that cannot be read is no more than a warning. So is a stop here, which the reader of the whole
-/// then notices.
+/// The content of a sibling; a file that cannot be read is no more than a warning. So is a stop
+/// here, which the reader of the whole then notices.
 ///
 /// # Errors
 ///
@@ -124,8 +126,9 @@ fn check_regular(metadata: &fs::Metadata) -> io::Result<()> {
     Err(io::Error::new(io::ErrorKind::InvalidInput, what))
 }
 
-/// The file that a scene at `scene` calls `name`, which must lie under the scene's folder, or under one of the folders that the user
-/// allows. There it is looked for too: by its whole name, and by the last part of it, since names are often of another machine.
+/// The file that a scene at `scene` calls `name`, which must lie under the scene's folder, or under
+/// one of the folders that the user allows. There it is looked for too: by its whole name, and by
+/// the last part of it, since names are often of another machine.
 ///
 /// # Errors
 ///
@@ -191,8 +194,8 @@ fn folder_of(scene: &Path) -> std::result::Result<PathBuf, String> {
     folder.canonicalize().map_err(|error| error.to_string())
 }
 
-/// The file that a scene at `scene` wants written as `name`, under the scene's folder. It need not be there,
-/// nor need its folder.
+/// The file that a scene at `scene` wants written as `name`, under the scene's folder. It need not
+/// be there, nor need its folder.
 ///
 /// # Errors
 ///

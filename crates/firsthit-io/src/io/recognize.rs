@@ -1,4 +1,5 @@
-//! The real format of a file with another's name, or of one that is not read, and how to make one that is.
+//! The real format of a file with another's name, or of one that is not read, and how to make one
+//! that is.
 
 use std::path::Path;
 
@@ -70,7 +71,8 @@ pub(super) fn way_of(path: &Path) -> Option<String> {
     })
 }
 
-/// The reason why content is not of `format`, with what it is of by its first bytes, if that is something else.
+/// The reason why content is not of `format`, with what it is of by its first bytes, if that is
+/// something else.
 pub(super) fn hinted(fault: Fault, format: &Format, bytes: &[u8]) -> Fault {
     let Fault::Content { place, what } = fault else {
         return fault;

@@ -24,7 +24,8 @@ pub struct Report<'w> {
     pub warnings: Warnings,
     /// The names of the variants of the materials that the file has.
     pub variants: Vec<String>,
-    /// The number of vertices in a glTF file, where a buffer counts for each primitive that names it; for other formats `None`.
+    /// The number of vertices in a glTF file, where a buffer counts for each primitive that names
+    /// it; for other formats `None`.
     pub vertices: Option<u64>,
     /// The scene that the file, or a part of it, holds built.
     pub scene: Option<Scene>,
@@ -60,7 +61,8 @@ impl<'w> Report<'w> {
         read::sibling(self.source.base()?, name, &self.settings.resources)
     }
 
-    /// Takes over what reading a part of the file came to: its warnings, files and variants, and the first scene that is built.
+    /// Takes over what reading a part of the file came to: its warnings, files and variants, and
+    /// the first scene that is built.
     pub fn absorb(&mut self, mut part: Self) {
         self.budget.absorb(&part.budget);
         self.warnings.absorb(part.take_lines());
@@ -69,7 +71,8 @@ impl<'w> Report<'w> {
         self.scene = self.scene.take().or(part.scene);
     }
 
-    /// Tells the watch that `bytes` bytes of the file's content, or of `what` it names, are parsed from now on.
+    /// Tells the watch that `bytes` bytes of the file's content, or of `what` it names, are parsed
+    /// from now on.
     pub(crate) fn begin_parsing(&mut self, what: &str, bytes: usize) {
         self.unparsed = bytes;
         let step = format!("parsing {what}{}", escaped(self.source.path()));
@@ -88,7 +91,8 @@ impl<'w> Report<'w> {
         Ok(stop_if_asked(self.watch)?)
     }
 
-    /// Tells the watch that bytes of the content are parsed, wherever they are; they may come again.
+    /// Tells the watch that bytes of the content are parsed, wherever they are; they may come
+    /// again.
     ///
     /// # Errors
     ///

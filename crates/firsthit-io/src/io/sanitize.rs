@@ -1,4 +1,5 @@
-//! Replaces unusable normals, texture coordinates and colours, so that a NaN does not spread over a picture.
+//! Replaces unusable normals, texture coordinates and colours, so that a NaN does not spread over a
+//! picture.
 
 use super::report::Report;
 use crate::error::Place;
@@ -51,7 +52,8 @@ pub(super) fn linear(encoded: f64) -> f32 {
     if (0.0..=1.0).contains(&encoded) { single(srgb_decode(encoded)) } else { single(encoded) }
 }
 
-/// Mends colours whose levels came through [`linear`]. Levels above 1 say that a file counts from 0 to 255, which is a warning.
+/// Mends colours whose levels came through [`linear`]. Levels above 1 say that a file counts from 0
+/// to 255, which is a warning.
 pub(super) fn sanitize_levels(values: &mut [[f32; 3]], report: &mut Report) {
     let levels = values.iter().flatten().filter(|level| level.is_finite());
     let largest = levels.fold(0.0_f32, |most, &level| most.max(level));
@@ -74,8 +76,8 @@ pub(super) fn levels_of_bytes(values: &mut [[f32; 3]]) {
     }
 }
 
-/// Puts harmless values in the place of unusable ones; how many there are and which one is the first is one
-/// warning.
+/// Puts harmless values in the place of unusable ones; how many there are and which one is the
+/// first is one warning.
 pub(super) fn sanitize<const N: usize>(
     values: &mut [[f32; N]],
     kind: ValueKind,

@@ -8,7 +8,8 @@ use crate::geometry::{DAffine3, DVec3, Transform};
 #[cfg(feature = "gltf")]
 use crate::scene::Light;
 
-/// Multiplies all lengths of a model. Its meshes keep their coordinates: transforms are exact, and shared meshes stay shared.
+/// Multiplies all lengths of a model. Its meshes keep their coordinates: transforms are exact, and
+/// shared meshes stay shared.
 pub(super) fn scaled(mut model: Model, factor: f64) -> Result<Model> {
     let whole = DAffine3::from_scale(DVec3::splat(factor));
     for object in &mut model.objects {
@@ -38,7 +39,8 @@ fn scale_looks(model: &mut Model, factor: f64) {
             }
         }
     }
-    // Light that falls off with the square of the distance is as bright on surfaces that are farther away.
+    // Light that falls off with the square of the distance is as bright on surfaces that are
+    // farther away.
     for light in &mut model.lights {
         match light {
             Light::Point(lamp) => {

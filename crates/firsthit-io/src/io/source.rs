@@ -12,7 +12,8 @@ pub(crate) fn without_gz(path: &Path) -> PathBuf {
     }
 }
 
-/// Whether a file's name ends with one of some extensions, in any case; packed files by their name unpacked.
+/// Whether a file's name ends with one of some extensions, in any case; packed files by their name
+/// unpacked.
 pub fn has_extension(path: &Path, extensions: &[&str]) -> bool {
     let unpacked = without_gz(path);
     let own = unpacked.extension().unwrap_or_default();

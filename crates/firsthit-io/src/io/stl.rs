@@ -1,7 +1,7 @@
 //! STL: triangles without shared vertices, binary or text.
 //!
-//! The facets' own normals are not read: the normal is that of the winding. The binary format's attribute bytes are colours where they
-//! are marked as such.
+//! The facets' own normals are not read: the normal is that of the winding. The binary format's
+//! attribute bytes are colours where they are marked as such.
 
 use std::sync::Arc;
 
@@ -63,9 +63,10 @@ pub(super) fn read(bytes: &[u8], report: &mut Report) -> Checked<Model> {
     }]))
 }
 
-/// The linear colours of facets, where any are stated: five bits for each of red, green and blue, after one bit. Magics says so in the
-/// header, with the colour of all other facets; there a bit of 0 marks a colour, and red is lowest. `VisCAM` and `SolidView` mark a colour
-/// by a bit of 1, and blue is lowest.
+/// The linear colours of facets, where any are stated: five bits for each of red, green and blue,
+/// after one bit. Magics says so in the header, with the colour of all other facets; there a bit of
+/// 0 marks a colour, and red is lowest. `VisCAM` and `SolidView` mark a colour by a bit of 1, and
+/// blue is lowest.
 fn facet_colors(header: &[u8], facets: &[u8]) -> Vec<[f32; 3]> {
     let (facets, _) = facets.as_chunks::<FACET>();
     let words = || facets.iter().map(|&[.., low, high]| u16::from_le_bytes([low, high]));
@@ -94,8 +95,8 @@ fn facet_colors(header: &[u8], facets: &[u8]) -> Vec<[f32; 3]> {
     words().map(color).collect()
 }
 
-/// The facets of a binary file and what follows them; `None` for text. They are told apart by the size, which only binary
-/// files state: many of those, too, begin with "solid", the mark of text.
+/// The facets of a binary file and what follows them; `None` for text. They are told apart by the
+/// size, which only binary files state: many of those, too, begin with "solid", the mark of text.
 fn binary_of(bytes: &[u8]) -> Checked<Option<(&[u8], &[u8])>> {
     let start = bytes.trim_ascii_start();
     let start = start.strip_prefix(b"\xef\xbb\xbf").unwrap_or(start);

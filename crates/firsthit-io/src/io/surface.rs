@@ -119,8 +119,8 @@ impl Surface {
         self.face_count = self.face_count.saturating_add(1);
     }
 
-    /// The mesh over `vertices`: concave polygons cut rightly, unusable triangles dropped. With it come
-    /// the triangles' other indices.
+    /// The mesh over `vertices`: concave polygons cut rightly, unusable triangles dropped. With it
+    /// come the triangles' other indices.
     ///
     /// Every corner must be one of the vertices.
     pub(super) fn finish(
@@ -189,13 +189,14 @@ impl Surface {
     }
 }
 
-/// The triangles of polygons over `points`, and of each triangle the polygon that it is part of: concave polygons are cut rightly, and
-/// every corner is in a triangle. `corners` has the indices of all polygons one after the other, `sizes` how many each has.
+/// The triangles of polygons over `points`, and of each triangle the polygon that it is part of:
+/// concave polygons are cut rightly, and every corner is in a triangle. `corners` has the indices
+/// of all polygons one after the other, `sizes` how many each has.
 ///
 /// # Errors
 ///
-/// [`Error::Argument`] for a polygon of less than three corners, for sizes that are not those of all corners, and for an index without a
-/// point.
+/// [`Error::Argument`] for a polygon of less than three corners, for sizes that are not those of
+/// all corners, and for an index without a point.
 pub fn polygons(
     points: Positions,
     corners: &[u32],

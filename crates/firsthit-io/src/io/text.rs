@@ -5,8 +5,8 @@ use std::borrow::Cow;
 use super::decimal;
 use crate::error::escape_controls;
 
-/// The text as UTF-8, without its byte order mark. Text without a mark is never taken for UTF-16. Invalid sequences
-/// become U+FFFD.
+/// The text as UTF-8, without its byte order mark. Text without a mark is never taken for UTF-16.
+/// Invalid sequences become U+FFFD.
 pub(super) fn decode(bytes: &[u8]) -> Cow<'_, [u8]> {
     if let Some(rest) = bytes.strip_prefix(b"\xef\xbb\xbf") {
         Cow::Borrowed(rest)
@@ -73,7 +73,8 @@ impl<'a> Iterator for Lines<'a> {
     }
 }
 
-/// The last line of a text, if it has no line break: many whole files end so, and so do truncated ones.
+/// The last line of a text, if it has no line break: many whole files end so, and so do truncated
+/// ones.
 pub(super) fn unended_line(text: &[u8]) -> Option<&[u8]> {
     let start = memchr::memrchr2(b'\n', b'\r', text).map_or(0, |end| end + 1);
     text.get(start..).filter(|line| !line.is_empty())

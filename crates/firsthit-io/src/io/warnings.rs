@@ -25,8 +25,8 @@ struct WarningKind {
 }
 
 impl Warnings {
-    /// Adds a warning about a place of the file at `path`. `key` tells the kinds apart; only the first of a kind is
-    /// worded.
+    /// Adds a warning about a place of the file at `path`. `key` tells the kinds apart; only the
+    /// first of a kind is worded.
     pub(crate) fn add(
         &mut self,
         path: &Path,

@@ -26,8 +26,8 @@ const MOST_RANKS: usize = 64;
 ///
 /// # Errors
 ///
-/// [`Error::Argument`] for a name that no kind has, for an attribute without a name, and for a number of pairs that is odd or not
-/// from 2 to 64.
+/// [`Error::Argument`] for a name that no kind has, for an attribute without a name, and for a
+/// number of pairs that is odd or not from 2 to 64.
 pub fn asked(name: &str) -> Result<Cow<'static, ChannelKind>> {
     if let Some((name, ranks)) = name.split_once(':')
         && let Some(kind) = kind(name).ok().filter(|kind| kind.matte().is_some())
@@ -66,9 +66,10 @@ impl ChannelKind {
         Ok(Self { make: Make::Occlusion(length), ..self.clone() })
     }
 
-    /// The kind of an attribute of the meshes, as [`attribute()`](super::attribute()) gives it. The channel's name is `attribute:` and the attribute's
-    /// name, in which `_` stands for what is no letter, digit, `.`, `-` or `_` of ASCII: formats and paths do not take them all.
-    /// A scene that does not have it refuses it.
+    /// The kind of an attribute of the meshes, as [`attribute()`](super::attribute()) gives it. The
+    /// channel's name is `attribute:` and the attribute's name, in which `_` stands for what is no
+    /// letter, digit, `.`, `-` or `_` of ASCII: formats and paths do not take them all. A scene
+    /// that does not have it refuses it.
     pub fn attribute(name: &str) -> Self {
         Self {
             name: format!("{ATTRIBUTE}{}", shown(name)).into(),
@@ -81,12 +82,13 @@ impl ChannelKind {
         }
     }
 
-    /// The kind of numbers of one's own, which are no channel of hits, under a name of one's own, with `_` as in that of an
-    /// [`attribute`](Self::attribute).
+    /// The kind of numbers of one's own, which are no channel of hits, under a name of one's own,
+    /// with `_` as in that of an [`attribute`](Self::attribute).
     ///
     /// # Errors
     ///
-    /// [`Error::Argument`] for a name that asks for a channel, even for one that there is not, and for an empty one.
+    /// [`Error::Argument`] for a name that asks for a channel, even for one that there is not, and
+    /// for an empty one.
     pub fn own(name: &str, data: &Data) -> Result<Self> {
         let (first, _) = name.split_once(':').unwrap_or((name, ""));
         if name.is_empty() || name.starts_with(ATTRIBUTE) || kind(first).is_ok() {
@@ -107,7 +109,8 @@ impl ChannelKind {
         })
     }
 
-    /// The channel's name where a file's name has it: no system takes a colon for anything else then.
+    /// The channel's name where a file's name has it: no system takes a colon for anything else
+    /// then.
     pub fn name_in_path(&self) -> String {
         self.name.replace(':', "-")
     }

@@ -21,13 +21,15 @@ pub struct AttributeValues {
     pub values: Vec<f64>,
 }
 
-/// An attribute of the meshes that were hit, by its name, at each hit: a property that a file or a program gave the mesh, or its
-/// `normals`, `uvs`, `colors` or `alphas`. Of several with this name [`Mesh::attribute`] takes one; `of` chooses.
+/// An attribute of the meshes that were hit, by its name, at each hit: a property that a file or a
+/// program gave the mesh, or its `normals`, `uvs`, `colors` or `alphas`. Of several with this name
+/// [`Mesh::attribute`] takes one; `of` chooses.
 ///
-/// [`NamedAttribute::look_up`] says what the value between the corners of a triangle is. The numbers are NaN for misses, for shapes
-/// that are no mesh, and for meshes without the attribute. There are as many for each hit as in the mesh of the scene where there
-/// are most; a mesh with fewer has NaN for the rest. All threads of the current rayon pool work; few hits are looked up by the calling
-/// thread alone. `watch` is told of every hit once.
+/// [`NamedAttribute::look_up`] says what the value between the corners of a triangle is. The
+/// numbers are NaN for misses, for shapes that are no mesh, and for meshes without the attribute.
+/// There are as many for each hit as in the mesh of the scene where there are most; a mesh with
+/// fewer has NaN for the rest. All threads of the current rayon pool work; few hits are looked up
+/// by the calling thread alone. `watch` is told of every hit once.
 ///
 /// ```
 /// use std::sync::Arc;
@@ -51,8 +53,8 @@ pub struct AttributeValues {
 ///
 /// # Errors
 ///
-/// [`Error::Argument`] for a name that no mesh of the scene has, [`Error::Limit`] when the numbers do not fit into memory,
-/// [`Error::Interrupted`] when `watch` stops it.
+/// [`Error::Argument`] for a name that no mesh of the scene has, [`Error::Limit`] when the numbers
+/// do not fit into memory, [`Error::Interrupted`] when `watch` stops it.
 pub fn attribute(
     name: &str,
     of: Option<PropertyOf>,
@@ -98,7 +100,8 @@ pub struct AttributeName<'a> {
     pub components: usize,
 }
 
-/// The attributes that the meshes of a scene have, sorted by name, and then by what has them: first vertices, then corners and faces.
+/// The attributes that the meshes of a scene have, sorted by name, and then by what has them: first
+/// vertices, then corners and faces.
 pub fn attributes(scene: &Scene) -> Vec<AttributeName<'_>> {
     let all = meshes(scene).flat_map(Mesh::attributes);
     let mut known: BTreeMap<(&str, PropertyOf), usize> = BTreeMap::new();

@@ -11,8 +11,9 @@ use crate::image::Display::{
 use crate::image::Unit;
 use crate::scene::{Catalog, Object, SurfaceInteraction};
 
-/// The number of the ray that each hit belongs to, where a ray may have several. It is no channel of a picture, so not among
-/// [`KINDS`]; [`AllHits::ray_numbers`](crate::shoot::AllHits::ray_numbers) has its data.
+/// The number of the ray that each hit belongs to, where a ray may have several. It is no channel
+/// of a picture, so not among [`KINDS`];
+/// [`AllHits::ray_numbers`](crate::shoot::AllHits::ray_numbers) has its data.
 pub const RAY: &ChannelKind = &elsewhere("ray", Identifier, "number of the ray, from 0");
 
 /// Whether a point is inside an object. It is no channel of hits, so not among [`KINDS`];
@@ -20,12 +21,13 @@ pub const RAY: &ChannelKind = &elsewhere("ray", Identifier, "number of the ray, 
 pub const INSIDE: &ChannelKind =
     &elsewhere("inside", Mask, "whether the point is inside an object");
 
-/// Whether two points see each other. It is no channel of hits, so not among [`KINDS`]; [`visible`](crate::shoot::visible())
-/// has its data.
+/// Whether two points see each other. It is no channel of hits, so not among [`KINDS`];
+/// [`visible`](crate::shoot::visible()) has its data.
 pub const VISIBLE: &ChannelKind =
     &elsewhere("visible", Mask, "whether the two points see each other");
 
-/// The thickness of an object. It is no channel of hits, so not among [`KINDS`]; `thickness` has its data.
+/// The thickness of an object. It is no channel of hits, so not among [`KINDS`]; `thickness` has
+/// its data.
 pub const THICKNESS: &ChannelKind = &elsewhere(
     "thickness",
     Distance,

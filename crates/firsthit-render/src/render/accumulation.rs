@@ -64,8 +64,9 @@ impl Accumulation {
         *count += 1;
     }
 
-    /// The means of some of the sums, for each pixel one after the other. Colours are at least 0 where less can only be noise, and alpha is
-    /// from 0 to 1: a sample of the ground's shadow may be darkened by more than all.
+    /// The means of some of the sums, for each pixel one after the other. Colours are at least 0
+    /// where less can only be noise, and alpha is from 0 to 1: a sample of the ground's shadow may
+    /// be darkened by more than all.
     pub(super) fn means<const N: usize>(&self, which: [usize; N]) -> Result<Data> {
         let mut means = zeroed::<f32>(self.sums.len().saturating_mul(N))?;
         let chunk = 1 << 12;
@@ -97,8 +98,9 @@ impl Accumulation {
         Ok(Data::Int32(counts))
     }
 
-    /// The standard error of a pixel's brightness as a picture shows it, from 0, black, to 1, white: upwards or downwards, whichever shows
-    /// more. Of a pixel that one bright sample has made white, only downwards shows.
+    /// The standard error of a pixel's brightness as a picture shows it, from 0, black, to 1,
+    /// white: upwards or downwards, whichever shows more. Of a pixel that one bright sample has
+    /// made white, only downwards shows.
     fn error(&self, pixel: usize) -> f64 {
         let count = f64::from(self.counts[pixel]);
         let [red, green, blue, alpha] = self.sums[pixel].map(|sum| sum / count);

@@ -16,8 +16,8 @@ pub struct Appearance {
     /// The shader of hits. By default [`Direct`]; with the light [`LightRig::Shoulder`],
     /// [`Lambert`].
     pub shader: Option<Shader>,
-    /// Lights that go with the camera, in place of the scene's. By default there are some where nothing shines:
-    /// [`Shader::default_rig`].
+    /// Lights that go with the camera, in place of the scene's. By default there are some where
+    /// nothing shines: [`Shader::default_rig`].
     pub rig: Option<LightRig>,
     /// The background of misses, unless that is the scene's environment.
     pub background: Option<Background>,
@@ -25,7 +25,8 @@ pub struct Appearance {
     /// with lights that were chosen automatically, if the camera is above it and outside of the
     /// scene.
     pub ground: Option<bool>,
-    /// Colours by numbers, in place of the surfaces' own. By default those of the scene, if it has any.
+    /// Colours by numbers, in place of the surfaces' own. By default those of the scene, if it has
+    /// any.
     pub coloring: Option<Coloring>,
     /// The number of samples of a pixel. By default [`default_samples`].
     pub samples: Option<u32>,

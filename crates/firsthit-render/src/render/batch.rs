@@ -10,7 +10,8 @@ use crate::shoot::{Hits, Prefetcher};
 /// enough for slow shaders.
 const SHADED: usize = 256;
 
-/// Pixels are shaded in squares of this side: rays from sixteen neighbours on all sides go together better than from a row.
+/// Pixels are shaded in squares of this side: rays from sixteen neighbours on all sides go together
+/// better than from a row.
 const SQUARE: usize = 4;
 
 /// Pixels that are shaded at a time: some columns of a few rows.
@@ -65,7 +66,8 @@ impl Block {
     }
 }
 
-/// Splits values, one for each pixel of a picture of that width, into those of its [blocks](Block::all), row by row.
+/// Splits values, one for each pixel of a picture of that width, into those of its
+/// [blocks](Block::all), row by row.
 pub(super) fn split<T>(values: &mut [T], width: usize) -> Vec<[&mut [T]; SQUARE]> {
     let mut blocks = Vec::with_capacity(2 * values.len() / SHADED + 1);
     for band in values.chunks_mut(SQUARE * width) {

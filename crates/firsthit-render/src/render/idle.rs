@@ -5,8 +5,9 @@ use std::borrow::Borrow;
 use crate::channel::ChannelKind;
 use crate::image::Display;
 
-/// The channels without which a setting does nothing, in words; `None` where a picture of these channels has one of them, and for a
-/// name that is no setting of colours, samples or lines. Names are those of Python, of plans and, with hyphens, of options.
+/// The channels without which a setting does nothing, in words; `None` where a picture of these
+/// channels has one of them, and for a name that is no setting of colours, samples or lines. Names
+/// are those of Python, of plans and, with hyphens, of options.
 ///
 /// ```
 /// use firsthit::channel::kind;

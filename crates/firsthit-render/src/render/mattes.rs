@@ -50,8 +50,8 @@ impl PixelShares {
         }
     }
 
-    /// Pairs of an identifier, as a float's bits, and its share of the samples: the largest first, of equal ones the lower
-    /// identifier. What there is no room for is left out.
+    /// Pairs of an identifier, as a float's bits, and its share of the samples: the largest first,
+    /// of equal ones the lower identifier. What there is no room for is left out.
     fn write(&self, samples: u32, out: &mut [f32]) {
         let mut all = self.others.clone();
         all.extend((self.first.count > 0).then_some(self.first));
@@ -122,7 +122,8 @@ fn number(scene: &Scene, of: Matte, hit: &Hit) -> Option<usize> {
     }
 }
 
-/// The name of every object or material, by its number. Those without one are called after the number.
+/// The name of every object or material, by its number. Those without one are called after the
+/// number.
 fn names(scene: &Scene, of: Matte) -> Box<dyn Iterator<Item = String> + '_> {
     let named = move |(number, name): (usize, &str)| {
         if name.is_empty() { format!("{}_{number}", of.name()) } else { name.to_owned() }

@@ -5,7 +5,8 @@ use crate::geometry::{DVec2, Ray, require};
 use crate::sampling::{offset, on_lens};
 use crate::sensor::Sensor;
 
-/// The rays of one sample of a sensor. Those of the first are through the pixels' centres and from the middle of the lens.
+/// The rays of one sample of a sensor. Those of the first are through the pixels' centres and from
+/// the middle of the lens.
 ///
 /// ```
 /// use firsthit::render::Sample;
@@ -54,7 +55,8 @@ impl<'a> Sample<'a> {
     }
 }
 
-/// Fails for a number of samples that colours and mattes cannot have: none, and only the first, a pinhole's, where the sensor has an aperture.
+/// Fails for a number of samples that colours and mattes cannot have: none, and only the first, a
+/// pinhole's, where the sensor has an aperture.
 ///
 /// # Errors
 ///

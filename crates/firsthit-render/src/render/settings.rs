@@ -14,8 +14,9 @@ use crate::shade::{LightRig, Shade, Shader};
 use crate::shoot::{Cpu, Engine};
 use crate::watch::Watch;
 
-/// A picture to be made of a scene. The defaults are those of the command line: a three-quarter view from above that fills 768
-/// rows of 1024 pixels, and, if the scene has no light, automatic light and a ground for its shadows ([`Appearance`]).
+/// A picture to be made of a scene. The defaults are those of the command line: a three-quarter
+/// view from above that fills 768 rows of 1024 pixels, and, if the scene has no light, automatic
+/// light and a ground for its shadows ([`Appearance`]).
 ///
 /// ```
 /// use firsthit::{Color, DVec3, Object, Render, Scene, Shader, Sphere, camera::StandardView};
@@ -198,7 +199,8 @@ impl<'a> Render<'a> {
         self
     }
 
-    /// Through one side of all surfaces, as into a room through its walls. Rays of shaders, such as those to lights, meet both.
+    /// Through one side of all surfaces, as into a room through its walls. Rays of shaders, such as
+    /// those to lights, meet both.
     pub fn cull(mut self, side: Side) -> Self {
         self.cull = Some(side);
         self
@@ -237,8 +239,10 @@ impl<'a> Render<'a> {
     ///
     /// # Errors
     ///
-    /// The errors of [`render()`](super::render()), [`framing_camera`] and [`Scene::with_coloring`], and [`Error::Argument`](crate::error::Error::Argument) for an unknown channel,
-    /// and for `color_by`, `light`, `background` or `ground` with a shade of one's own, which makes its colours without them.
+    /// The errors of [`render()`](super::render()), [`framing_camera`] and
+    /// [`Scene::with_coloring`], and [`Error::Argument`](crate::error::Error::Argument) for an
+    /// unknown channel, and for `color_by`, `light`, `background` or `ground` with a shade of one's
+    /// own, which makes its colours without them.
     pub fn frame(self) -> Result<Frame> {
         let asked = self.channels.iter().map(|name| channel::asked(name));
         let asked = asked.collect::<Result<Vec<_>>>()?;

@@ -2,11 +2,13 @@
 //!
 //! 1. Trace the rays through the pixels' centres, a grid of them.
 //! 2. Make from these hits all channels but the colour.
-//! 3. Shade the hits, a few hundred at a time, and add the colours to the pixels' sums; count them for mattes.
-//! 4. For each further sample, trace the grid moved to another point of the pixels, and of the lens, shade, add and count.
+//! 3. Shade the hits, a few hundred at a time, and add the colours to the pixels' sums; count them
+//!    for mattes.
+//! 4. For each further sample, trace the grid moved to another point of the pixels, and of the
+//!    lens, shade, add and count.
 //!
-//! Every sample goes by the tiles of `shoot`. Sums are in the order of the samples, so it does not matter how many are added
-//! at a time.
+//! Every sample goes by the tiles of `shoot`. Sums are in the order of the samples, so it does not
+//! matter how many are added at a time.
 
 use super::Picture;
 use super::accumulation::{ALPHA, Accumulation, Activity};
@@ -99,7 +101,8 @@ impl<'a> Slab<'a> {
         })
     }
 
-    /// Goes on where a picture was left, of which all samples but the channels of the first are known.
+    /// Goes on where a picture was left, of which all samples but the channels of the first are
+    /// known.
     pub(super) fn resume(&mut self, state: &Frame) -> Result<()> {
         self.known = Accumulation::taken_from(state, self.part.len(), self.picture.shade)?;
         let counts = &self.known.counts;

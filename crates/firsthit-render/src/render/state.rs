@@ -16,15 +16,18 @@ use crate::watch::{OnlyCounts, OnlyStops, Watch};
 const SAVE_INTERVAL: Duration = Duration::from_secs(20);
 
 impl<'a> Picture<'a> {
-    /// Renders the picture, resuming from the state in the file if that exists. The state is saved every 20 s, at the end, and when the
-    /// watch stops the work, which takes effect after the current sample.
+    /// Renders the picture, resuming from the state in the file if that exists. The state is saved
+    /// every 20 s, at the end, and when the watch stops the work, which takes effect after the
+    /// current sample.
     ///
-    /// It has the bytes of [`render`](Self::render). More [`samples`](Self::samples) another time resume from there.
+    /// It has the bytes of [`render`](Self::render). More [`samples`](Self::samples) another time
+    /// resume from there.
     ///
     /// # Errors
     ///
-    /// The errors of [`render`](Self::render) and of [`resume_from`](Self::resume_from), [`Error::Argument`] for a picture without colours, for
-    /// a file whose name does not end in `.npz`, and for a state that has more samples already, and [`Error::Write`] where the state
+    /// The errors of [`render`](Self::render) and of [`resume_from`](Self::resume_from),
+    /// [`Error::Argument`] for a picture without colours, for a file whose name does not end in
+    /// `.npz`, and for a state that has more samples already, and [`Error::Write`] where the state
     /// cannot be saved, before anything is rendered.
     pub fn render_resumed(&self, path: &Path, watch: &dyn Watch) -> Result<Frame> {
         check_state_file(path)?;
@@ -71,11 +74,13 @@ impl<'a> Picture<'a> {
         put_together(self.channels, colors, others)
     }
 
-    /// Resumes a progressive render whose state is in a file that [`Frame::save`] wrote of [`Progressive::state`], as [`Picture::resume`] does.
+    /// Resumes a progressive render whose state is in a file that [`Frame::save`] wrote of
+    /// [`Progressive::state`], as [`Picture::resume`] does.
     ///
     /// # Errors
     ///
-    /// The errors of [`Picture::resume`] and of [`image::read`], and [`Error::Argument`] for the state of another scene, camera or shading.
+    /// The errors of [`Picture::resume`] and of [`image::read`], and [`Error::Argument`] for the
+    /// state of another scene, camera or shading.
     pub fn resume_from(&'a self, path: &Path) -> Result<Progressive<'a>> {
         self.resume_checked(&(), |own| read_state(path, own))
     }

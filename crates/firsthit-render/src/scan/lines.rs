@@ -26,7 +26,8 @@ pub(super) struct Lines<'a> {
 /// The hits of lines.
 pub(super) struct Met {
     pub(super) hits: Hits,
-    /// Where the hits of each line begin, if it has several; otherwise each has one, which may be a miss.
+    /// Where the hits of each line begin, if it has several; otherwise each has one, which may be a
+    /// miss.
     offsets: Vec<usize>,
     near: f64,
 }
@@ -52,7 +53,8 @@ impl<'a> Lines<'a> {
         Ok(Self { lidar, beams, each, ways, far: settings.max_range })
     }
 
-    /// Shoots them. Lines of a cone, and those whose first return is wanted alone, end at their first hit.
+    /// Shoots them. Lines of a cone, and those whose first return is wanted alone, end at their
+    /// first hit.
     pub(super) fn shot(
         &self,
         scene: &Scene,
@@ -86,7 +88,8 @@ impl Rays for Lines<'_> {
 }
 
 impl Met {
-    /// The places of a line's hits; none of a line that something blocks, which is nearer than ranges begin.
+    /// The places of a line's hits; none of a line that something blocks, which is nearer than
+    /// ranges begin.
     pub(super) fn of_line(&self, line: usize) -> Range<usize> {
         let places = match self.offsets.get(line..line + 2) {
             Some(ends) => ends[0]..ends[1],

@@ -1,7 +1,9 @@
 //! Scans of laser scanners: the returns of beams, their noise, and what is told of each.
 //!
-//! 1. Shoot the lines of some beams at a time: one of each, or as many as fill its cone (`lines.rs`).
-//! 2. Put hits together that a receiver cannot tell apart, and keep the returns that are wanted (`returns.rs`).
+//! 1. Shoot the lines of some beams at a time: one of each, or as many as fill its cone
+//!    (`lines.rs`).
+//! 2. Put hits together that a receiver cannot tell apart, and keep the returns that are wanted
+//!    (`returns.rs`).
 //! 3. Move returns along their beams by noise, and lose some (`noise.rs`).
 //! 4. Make columns of what is left: a [`Scan`].
 
@@ -41,12 +43,13 @@ use crate::watch::{OnlyStops, Watch};
 /// About how many lines are shot at a time.
 const BATCH: usize = 1 << 20;
 
-/// The returns of a laser scanner, beam by beam in the order of the picture's rows, and each beam's by range without its noise. A beam
-/// that met nothing has none.
+/// The returns of a laser scanner, beam by beam in the order of the picture's rows, and each beam's
+/// by range without its noise. A beam that met nothing has none.
 ///
-/// Its [`frame`](Self::frame) has a channel for each quantity: `point` and `sensor_point`, `range`, `object`, `primitive`, `incidence`,
-/// `ring`, `row`, `column`, `time`, `return_number` and `number_of_returns`, and where they were asked for `intensity` and
-/// `classification`. `docs/sensors.md` says what each is.
+/// Its [`frame`](Self::frame) has a channel for each quantity: `point` and `sensor_point`, `range`,
+/// `object`, `primitive`, `incidence`, `ring`, `row`, `column`, `time`, `return_number` and
+/// `number_of_returns`, and where they were asked for `intensity` and `classification`.
+/// `docs/sensors.md` says what each is.
 #[derive(Clone)]
 pub struct Scan {
     frame: Frame,
@@ -67,11 +70,13 @@ struct Row {
     intensity: f64,
 }
 
-/// Scans a scene with a laser scanner, by all threads of the current rayon pool. `watch` is told of every line.
+/// Scans a scene with a laser scanner, by all threads of the current rayon pool. `watch` is told of
+/// every line.
 ///
-/// A beam is a line, whose returns are what the line crosses: the first, or with other [`returns`](ScanSettings::returns) all
-/// crossings, as if surfaces let some of the light through. With a [`divergence`](ScanSettings::divergence) it is a cone of lines
-/// instead, each of which ends at its first hit.
+/// A beam is a line, whose returns are what the line crosses: the first, or with other
+/// [`returns`](ScanSettings::returns) all crossings, as if surfaces let some of the light through.
+/// With a [`divergence`](ScanSettings::divergence) it is a cone of lines instead, each of which
+/// ends at its first hit.
 ///
 /// ```
 /// use firsthit::scan::{Returns, ScanSettings, scan};
@@ -93,8 +98,8 @@ struct Row {
 ///
 /// # Errors
 ///
-/// The errors of [`ScanSettings::check`], [`Error::Limit`] when the returns do not fit into memory, and [`Error::Interrupted`] when
-/// `watch` stops it.
+/// The errors of [`ScanSettings::check`], [`Error::Limit`] when the returns do not fit into memory,
+/// and [`Error::Interrupted`] when `watch` stops it.
 pub fn scan(
     lidar: &Lidar,
     scene: &Scene,
@@ -266,8 +271,8 @@ impl Scan {
         self.len() == 0
     }
 
-    /// The scan with a channel `classification`: of each return the class of its object, such as LAS has it. `classes` are those of the
-    /// objects, in their order; objects beyond have class 0.
+    /// The scan with a channel `classification`: of each return the class of its object, such as
+    /// LAS has it. `classes` are those of the objects, in their order; objects beyond have class 0.
     ///
     /// # Errors
     ///
@@ -286,13 +291,14 @@ impl Scan {
         Ok(self)
     }
 
-    /// The returns of several scans as one, such as the turns of a scanner that drives: all of the first, then all of the next. `column`
-    /// counts on from scan to scan. The metadata have the first one's scanner and scene, and under `scans` the digests, columns and
-    /// settings of each.
+    /// The returns of several scans as one, such as the turns of a scanner that drives: all of the
+    /// first, then all of the next. `column` counts on from scan to scan. The metadata have the
+    /// first one's scanner and scene, and under `scans` the digests, columns and settings of each.
     ///
     /// # Errors
     ///
-    /// [`Error::Argument`] for no scans, other numbers of rows, other channels, and 2^31 columns or more.
+    /// [`Error::Argument`] for no scans, other numbers of rows, other channels, and 2^31 columns or
+    /// more.
     pub fn joined(scans: impl IntoIterator<Item = Self>) -> Result<Self> {
         let mut scans = scans.into_iter();
         let Some(mut all) = scans.next() else {
@@ -343,14 +349,16 @@ impl Scan {
         Self::of(joined.collect(), shape, origin)
     }
 
-    /// Writes the returns to a file, whole or not at all. The extension names the format: `.npz`, `.ply` and `.csv` are exact; a `.pcd` has
-    /// all but times as float32, for PCL and ROS. `.las` is LAS 1.4 with point format 6: coordinates are rounded to steps of 1e-4
-    /// scene units, of 1e-3 where these do not reach, and so on; what the format has no place for is in extra bytes. `.laz` is the
-    /// same packed.
+    /// Writes the returns to a file, whole or not at all. The extension names the format: `.npz`,
+    /// `.ply` and `.csv` are exact; a `.pcd` has all but times as float32, for PCL and ROS. `.las`
+    /// is LAS 1.4 with point format 6: coordinates are rounded to steps of 1e-4 scene units, of
+    /// 1e-3 where these do not reach, and so on; what the format has no place for is in extra
+    /// bytes. `.laz` is the same packed.
     ///
     /// # Errors
     ///
-    /// [`Error::Argument`] for another extension, and for numbers that the format cannot hold; [`Error::Write`] if the system refuses.
+    /// [`Error::Argument`] for another extension, and for numbers that the format cannot hold;
+    /// [`Error::Write`] if the system refuses.
     pub fn save(&self, path: impl AsRef<Path>) -> Result<()> {
         self.write(path.as_ref(), &())
     }

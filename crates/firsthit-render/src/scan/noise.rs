@@ -1,6 +1,7 @@
 //! Noise and dropout: random numbers of a return's own.
 //!
-//! They are hashes of the seed, the beam and the return's number ([`Draws`]): not streams, so no order of work changes them.
+//! They are hashes of the seed, the beam and the return's number ([`Draws`]): not streams, so no
+//! order of work changes them.
 
 use std::f64::consts::TAU;
 
@@ -26,7 +27,8 @@ impl Noise {
         }
     }
 
-    /// The range that is measured; `None` for a return that is lost, also because its noise takes it out of the limits of ranges.
+    /// The range that is measured; `None` for a return that is lost, also because its noise takes
+    /// it out of the limits of ranges.
     pub(super) fn of_return(&self, kept: &Kept, settings: &ScanSettings) -> Option<f64> {
         if !self.is_random {
             return Some(kept.range);
@@ -42,8 +44,8 @@ impl Noise {
     }
 }
 
-/// A number of the standard normal distribution (Box and Muller, "A Note on the Generation of Random Normal Deviates", Annals of
-/// Mathematical Statistics 29(2), 1958).
+/// A number of the standard normal distribution (Box and Muller, "A Note on the Generation of
+/// Random Normal Deviates", Annals of Mathematical Statistics 29(2), 1958).
 fn normal(draws: &mut Draws) -> f64 {
     let u = draws.two();
     // From above 0 up to 1.

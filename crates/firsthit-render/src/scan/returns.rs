@@ -67,7 +67,8 @@ pub(super) fn of(
     }))
 }
 
-/// The share of the light that each hit sends back, without the fall-off; none where it does not matter.
+/// The share of the light that each hit sends back, without the fall-off; none where it does not
+/// matter.
 fn shares(
     met: &Met,
     lines: &Lines<'_>,
@@ -152,8 +153,8 @@ fn keep(echoes: &[Echo], beam: usize, settings: &ScanSettings, kept: &mut Vec<Ke
     }
 }
 
-/// The sum over some hits: the first, and the others in pairs (Higham, "The Accuracy of Floating Point Summation", SIAM Journal on
-/// Scientific Computing 14(4), 1993).
+/// The sum over some hits: the first, and the others in pairs (Higham, "The Accuracy of Floating
+/// Point Summation", SIAM Journal on Scientific Computing 14(4), 1993).
 fn sum(echoes: &[Echo], value: impl Fn(&Echo) -> f64) -> f64 {
     match echoes {
         [] => 0.0,

@@ -21,7 +21,8 @@ named! {
     "first" => First;
     /// The farthest one.
     "last" => Last;
-    /// The one with the largest sum of luminance times the cosine of incidence over the squared range; of equal ones the nearest.
+    /// The one with the largest sum of luminance times the cosine of incidence over the squared
+    /// range; of equal ones the nearest.
     "strongest" => Strongest;
     /// All of them.
     "all" => All;
@@ -33,7 +34,8 @@ named! {
     /// The maker's.
     #[default]
     "maker" => Maker;
-    /// From 0 on for the laser whose lowest beam is the lowest, as drivers of ROS for Velodynes count.
+    /// From 0 on for the laser whose lowest beam is the lowest, as drivers of ROS for Velodynes
+    /// count.
     "lowest-first" => LowestFirst;
 }
 
@@ -44,10 +46,11 @@ pub struct ScanSettings {
     pub returns: Returns,
     /// The full angle of a beam's cone, in radians; `None` for a line.
     pub divergence: Option<f64>,
-    /// The number of lines that fill a cone, at most 65,536: the first is its middle, the others lie on a spiral of equal areas.
+    /// The number of lines that fill a cone, at most 65,536: the first is its middle, the others
+    /// lie on a spiral of equal areas.
     pub subrays: usize,
-    /// The resolution of the receiver: hits up to this far behind the nearest one of a return belong to that return, whose range is
-    /// their mean.
+    /// The resolution of the receiver: hits up to this far behind the nearest one of a return
+    /// belong to that return, whose range is their mean.
     pub range_gate: f64,
     /// With all returns: the most that are told of a beam, the nearest.
     pub max_returns: Option<usize>,
@@ -55,16 +58,16 @@ pub struct ScanSettings {
     pub min_range: f64,
     /// The longest range.
     pub max_range: f64,
-    /// Whether each return has an intensity: the mean over the beam's lines of the luminance (Rec. 709) of the surface's base colour
-    /// times the cosine of incidence.
+    /// Whether each return has an intensity: the mean over the beam's lines of the luminance
+    /// (Rec. 709) of the surface's base colour times the cosine of incidence.
     pub intensity: bool,
-    /// The standard deviation of a range: the first number plus the second times the range. A return that its noise takes out of
-    /// the limits of ranges, or to zero or below, is lost.
+    /// The standard deviation of a range: the first number plus the second times the range. A
+    /// return that its noise takes out of the limits of ranges, or to zero or below, is lost.
     pub noise: Option<[f64; 2]>,
     /// The probability that a return is lost.
     pub dropout: Option<f64>,
-    /// The seed of noise and dropout, which need one. The numbers of a return depend on this, the beam and the return's number
-    /// alone.
+    /// The seed of noise and dropout, which need one. The numbers of a return depend on this, the
+    /// beam and the return's number alone.
     pub seed: Option<u64>,
     /// The numbers of lasers.
     pub rings: Rings,
@@ -94,8 +97,8 @@ impl ScanSettings {
     ///
     /// # Errors
     ///
-    /// [`Error::Argument`] for numbers out of range, for noise or dropout without a seed, and for a number of returns of a beam that does
-    /// not have all.
+    /// [`Error::Argument`] for numbers out of range, for noise or dropout without a seed, and for a
+    /// number of returns of a beam that does not have all.
     pub fn check(&self) -> Result<()> {
         let within = |name, value: f64, below: f64, expected: &'static str| {
             require(name, expected, (0.0..below).contains(&value), value)
@@ -138,7 +141,8 @@ impl ScanSettings {
         Ok(())
     }
 
-    /// A warning of lines of a cone that end as returns of their own, which no receiver has, where that is seen.
+    /// A warning of lines of a cone that end as returns of their own, which no receiver has, where
+    /// that is seen.
     pub fn warning(&self) -> Option<String> {
         let is_told = self.returns != Returns::First || self.intensity;
         let splits = self.lines() > 1 && is_told && self.range_gate == 0.0;

@@ -3,7 +3,8 @@
 use crate::error::{Error, Result};
 use crate::image::{Channel, Data, Description, Display, Frame, Metadata, Origin, Unit};
 
-/// A channel of a scan: its name, the numbers of each return, whether these are whole, and what it is.
+/// A channel of a scan: its name, the numbers of each return, whether these are whole, and what it
+/// is.
 #[derive(Clone, Copy)]
 pub(super) struct Column {
     pub(super) name: &'static str,

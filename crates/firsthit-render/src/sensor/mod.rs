@@ -20,17 +20,19 @@ use crate::camera::Camera;
 use crate::geometry::{DVec2, DVec3, PixelGrid, Ray, Rays};
 use crate::image::{CameraRecord, SensorRecord};
 
-/// A ray for every pixel, row by row from the top, and for every point of a pixel. A [`Camera`] is one.
+/// A ray for every pixel, row by row from the top, and for every point of a pixel. A [`Camera`] is
+/// one.
 pub trait Sensor: Rays + Debug {
     /// Rows and columns.
     fn shape(&self) -> [usize; 2];
 
-    /// The ray through a point of a pixel, pixels counted row by row from the top. `offset` runs from 0 to 1 rightwards and
-    /// upwards; [`Rays::ray`] is the one at (0.5, 0.5). A sensor whose pixels are single rays has the same one for all offsets.
+    /// The ray through a point of a pixel, pixels counted row by row from the top. `offset` runs
+    /// from 0 to 1 rightwards and upwards; [`Rays::ray`] is the one at (0.5, 0.5). A sensor whose
+    /// pixels are single rays has the same one for all offsets.
     fn ray_within(&self, pixel: usize, offset: DVec2) -> Ray;
 
-    /// Fills `rays` with those through a point of pixels that lie in one row, from `first` on: what [`ray_within`](Self::ray_within)
-    /// gives, sooner than one by one.
+    /// Fills `rays` with those through a point of pixels that lie in one row, from `first` on: what
+    /// [`ray_within`](Self::ray_within) gives, sooner than one by one.
     fn row_within(&self, first: usize, offset: DVec2, rays: &mut [Ray]) {
         for (pixel, ray) in (first..).zip(rays) {
             *ray = self.ray_within(pixel, offset);
@@ -50,15 +52,15 @@ pub trait Sensor: Rays + Debug {
         None
     }
 
-    /// The sensor at a point of its lens, in units of the lens' radius, to the right and upwards: what the rays of a sample come from.
-    /// `None` where it has no aperture.
+    /// The sensor at a point of its lens, in units of the lens' radius, to the right and upwards:
+    /// what the rays of a sample come from. `None` where it has no aperture.
     fn through(&self, _point: DVec2) -> Option<Box<dyn Sensor>> {
         None
     }
 
-    /// The distance from the sensor along the ray, and that along its aim, of what the ray through a pixel's centre meets at
-    /// its parameter `t`. Where the sensor moves, both are those from where it is at the time of the ray. Both are infinite for a
-    /// miss.
+    /// The distance from the sensor along the ray, and that along its aim, of what the ray through
+    /// a pixel's centre meets at its parameter `t`. Where the sensor moves, both are those from
+    /// where it is at the time of the ray. Both are infinite for a miss.
     fn range_and_z(&self, pixel: usize, t: f64) -> [f64; 2];
 
     /// Whether it has an aim, along which a `z` is measured.

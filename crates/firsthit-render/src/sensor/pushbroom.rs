@@ -8,11 +8,12 @@ use crate::geometry::summary::summary;
 use crate::geometry::{DVec2, DVec3, Ray, Rays, require};
 use crate::trajectory::Trajectory;
 
-/// A camera of one row of pixels that moves, and sees a row of the picture at each of some times: a line scanner, or the camera of a
-/// satellite or an aeroplane.
+/// A camera of one row of pixels that moves, and sees a row of the picture at each of some times: a
+/// line scanner, or the camera of a satellite or an aeroplane.
 ///
-/// The camera's position, aim and up are in the coordinates of the body that the trajectory moves. Row k of the picture is what
-/// the camera sees at `times[k]`, all of it at once. `range` and `z` are those of its place and aim at that time.
+/// The camera's position, aim and up are in the coordinates of the body that the trajectory moves.
+/// Row k of the picture is what the camera sees at `times[k]`, all of it at once. `range` and `z`
+/// are those of its place and aim at that time.
 ///
 /// ```
 /// use firsthit::sensor::Pushbroom;
@@ -38,8 +39,9 @@ impl Pushbroom {
     ///
     /// # Errors
     ///
-    /// [`Error::Argument`](crate::error::Error::Argument) for a camera of several rows, for no times, and for those that the trajectory
-    /// refuses; [`Error::Limit`](crate::error::Error::Limit) when memory is short.
+    /// [`Error::Argument`](crate::error::Error::Argument) for a camera of several rows, for no
+    /// times, and for those that the trajectory refuses;
+    /// [`Error::Limit`](crate::error::Error::Limit) when memory is short.
     pub fn new(camera: &Camera, body: &Trajectory, times: Vec<f64>) -> Result<Self> {
         let rows = camera.rows();
         require("camera", "one of a single row of pixels", rows == 1, rows)?;

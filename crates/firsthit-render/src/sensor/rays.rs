@@ -9,9 +9,10 @@ use crate::memory;
 
 /// A table of rays: one for every pixel, whatever computed them.
 ///
-/// Directions have any length, in units of which `t` counts, as for arrays of rays; `range` is the distance from the ray's own
-/// origin in scene units. A pixel whose direction is zero, or not finite, has no ray: it is a miss, and the channel `valid` is
-/// false there. There is no `z` unless an [aim](Self::aimed) is given.
+/// Directions have any length, in units of which `t` counts, as for arrays of rays; `range` is the
+/// distance from the ray's own origin in scene units. A pixel whose direction is zero, or not
+/// finite, has no ray: it is a miss, and the channel `valid` is false there. There is no `z` unless
+/// an [aim](Self::aimed) is given.
 ///
 /// ```
 /// use firsthit::sensor::{RaySensor, Sensor};
@@ -42,7 +43,8 @@ impl RaySensor {
     ///
     /// # Errors
     ///
-    /// [`Error::Argument`](crate::error::Error::Argument) for no pixels, and for another number of origins or directions.
+    /// [`Error::Argument`](crate::error::Error::Argument) for no pixels, and for another number of
+    /// origins or directions.
     pub fn new(
         origins: Vec<DVec3>,
         directions: Vec<DVec3>,
@@ -58,7 +60,8 @@ impl RaySensor {
         Ok(Self { origins, directions, shape: [rows, columns], aim: None })
     }
 
-    /// The rays that a sensor has through its pixels' centres. They are those rays, bit for bit, whatever becomes of the sensor.
+    /// The rays that a sensor has through its pixels' centres. They are those rays, bit for bit,
+    /// whatever becomes of the sensor.
     ///
     /// # Errors
     ///

@@ -37,10 +37,10 @@ impl Readout {
 
 /// A camera that moves while its lines are read out one after the other.
 ///
-/// The camera's position, aim and up are in the coordinates of the body that the trajectory moves. With n lines (rows, or
-/// columns where it is read out sideways), the line that is read out as number k, from 0, is seen at the time
-/// `start + (k + 0.5) / n * readout`, all of it at once: where the trajectory is then, the camera is. `range` and `z` are those of
-/// that place and aim.
+/// The camera's position, aim and up are in the coordinates of the body that the trajectory moves.
+/// With n lines (rows, or columns where it is read out sideways), the line that is read out as
+/// number k, from 0, is seen at the time `start + (k + 0.5) / n * readout`, all of it at once:
+/// where the trajectory is then, the camera is. `range` and `z` are those of that place and aim.
 ///
 /// ```
 /// use firsthit::sensor::{Readout, RollingShutter, Sensor};
@@ -67,13 +67,14 @@ summary!(RollingShutter, "RollingShutter", |it| "camera": it.lines.mounted, "sta
     "direction": it.direction);
 
 impl RollingShutter {
-    /// The camera, carried by a body; `start` is when the first line begins and `readout` how long all lines take together, in
-    /// seconds.
+    /// The camera, carried by a body; `start` is when the first line begins and `readout` how long
+    /// all lines take together, in seconds.
     ///
     /// # Errors
     ///
-    /// [`Error::Argument`](crate::error::Error::Argument) for a `readout` that is negative or not finite and for times that the
-    /// trajectory refuses; [`Error::Limit`](crate::error::Error::Limit) when memory is short.
+    /// [`Error::Argument`](crate::error::Error::Argument) for a `readout` that is negative or not
+    /// finite and for times that the trajectory refuses;
+    /// [`Error::Limit`](crate::error::Error::Limit) when memory is short.
     pub fn new(
         camera: &Camera,
         body: &Trajectory,

@@ -94,7 +94,8 @@ impl Element for [f32; 1] {
     const KIND: SectionKind = SectionKind::F32;
 }
 
-/// The sum of what is compared whenever a file is opened: the header up to the sum, the table, and the record.
+/// The sum of what is compared whenever a file is opened: the header up to the sum, the table, and
+/// the record.
 pub(super) fn sum_of_structure(header: &[u8], table: &[u8], record: &[u8]) -> Sum {
     let mut hasher = blake3::Hasher::new();
     for part in [header, table, record] {
@@ -112,7 +113,8 @@ struct Entry {
     is_taken: bool,
 }
 
-/// The sections of a file. Each can be taken once, so that what is made of them is no larger than the file.
+/// The sections of a file. Each can be taken once, so that what is made of them is no larger than
+/// the file.
 #[derive(Debug)]
 pub(super) struct Sections {
     block: Arc<Block>,
@@ -260,7 +262,8 @@ fn check_header(bytes: &[u8]) -> Checked<usize> {
     count.ok_or_else(|| wrong(24, "there are more sections than the file has room for"))
 }
 
-/// An entry of the table, whose section starts at `start`, in a file of `length` bytes; or what is wrong with it.
+/// An entry of the table, whose section starts at `start`, in a file of `length` bytes; or what is
+/// wrong with it.
 fn entry(bytes: &[u8], start: usize, length: usize) -> Result<Entry, String> {
     let code = u32_at(bytes, 0);
     let kind =

@@ -1,12 +1,15 @@
-//! `.fhs`: built scenes in files, with their trees, which are mapped into memory and used as they are.
+//! `.fhs`: built scenes in files, with their trees, which are mapped into memory and used as they
+//! are.
 //!
-//! A file is a header, a table of sections, and the sections. One section is a record in JSON, which describes objects, materials,
-//! cameras and lights; all others are arrays as they are in memory, and the record names them by number. `docs/fhs.md`
-//! is the whole format. `layout.rs` has the header and the table, `record.rs` the record, `write.rs` takes a scene apart, and
-//! `read.rs` puts it together.
+//! A file is a header, a table of sections, and the sections. One section is a record in JSON,
+//! which describes objects, materials, cameras and lights; all others are arrays as they are in
+//! memory, and the record names them by number. `docs/fhs.md` is the whole format. `layout.rs` has
+//! the header and the table, `record.rs` the record, `write.rs` takes a scene apart, and `read.rs`
+//! puts it together.
 //!
-//! A file is untrusted. The header, the table and the record are compared with their checksum; all that is indexed by a
-//! number of the file is checked when the file is opened. Of the sections' content nothing else is, unless it is asked for.
+//! A file is untrusted. The header, the table and the record are compared with their checksum; all
+//! that is indexed by a number of the file is checked when the file is opened. Of the sections'
+//! content nothing else is, unless it is asked for.
 
 // A reader that panics is a reader that a file can crash.
 #![cfg_attr(
@@ -52,12 +55,12 @@ pub(crate) static FORMAT: WorldFormat = WorldFormat {
     read: read_copy,
 };
 
-/// Opens a file that [`save`] wrote, whatever its name. On Linux it is mapped, so that processes that open it share its
-/// memory; elsewhere it is read. It takes milliseconds, since nothing is built. Indices are checked, and with `verify` also
-/// whether every byte is as it was written.
+/// Opens a file that [`save`] wrote, whatever its name. On Linux it is mapped, so that processes
+/// that open it share its memory; elsewhere it is read. It takes milliseconds, since nothing is
+/// built. Indices are checked, and with `verify` also whether every byte is as it was written.
 ///
-/// The file must not be changed while the scene lives; [`save`] replaces a file and changes none. A process that reads what was
-/// cut off a mapped file is ended by the system.
+/// The file must not be changed while the scene lives; [`save`] replaces a file and changes none. A
+/// process that reads what was cut off a mapped file is ended by the system.
 ///
 /// ```
 /// use firsthit::world::World;
@@ -77,9 +80,10 @@ pub(crate) static FORMAT: WorldFormat = WorldFormat {
 ///
 /// # Errors
 ///
-/// [`Error::Read`](crate::error::Error::Read) when the system refuses, or `path` is no regular file;
-/// [`Error::Parse`](crate::error::Error::Parse) for a file of another kind or version, for one that is not whole, and for one whose
-/// content does not fit together; [`Error::TooLarge`](crate::error::Error::TooLarge) where memory is short.
+/// [`Error::Read`](crate::error::Error::Read) when the system refuses, or `path` is no regular
+/// file; [`Error::Parse`](crate::error::Error::Parse) for a file of another kind or version, for
+/// one that is not whole, and for one whose content does not fit together;
+/// [`Error::TooLarge`](crate::error::Error::TooLarge) where memory is short.
 pub fn open(path: &Path, verify: bool) -> Result<Loaded> {
     open_watched(path, verify, &())
 }
@@ -106,7 +110,8 @@ fn read_mapped(block: Arc<Block>, report: &mut Report) -> Result<World> {
     read::world(block, report).map_err(|fault| fault.into_error(&path))
 }
 
-/// Opens the file at `path`, which the file of `whole` names. The first such scene is the one that `whole` has built.
+/// Opens the file at `path`, which the file of `whole` names. The first such scene is the one that
+/// `whole` has built.
 ///
 /// # Errors
 ///

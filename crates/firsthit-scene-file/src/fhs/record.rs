@@ -1,5 +1,5 @@
-//! The record: all of a scene that is no array. Sections are named by their numbers, other things by their places in the
-//! record's lists.
+//! The record: all of a scene that is no array. Sections are named by their numbers, other things
+//! by their places in the record's lists.
 
 use serde::{Deserialize, Serialize};
 

@@ -234,8 +234,8 @@ impl DescriptionRecord {
     }
 }
 
-/// Refuses cameras that nothing can be seen through, here where the file is known. Of a description only the numbers are asked: what it
-/// leaves open need not suit this scene.
+/// Refuses cameras that nothing can be seen through, here where the file is known. Of a description
+/// only the numbers are asked: what it leaves open need not suit this scene.
 pub(super) fn check_cameras(cameras: &[NamedCamera]) -> Result<()> {
     for camera in cameras {
         Camera::new(camera.view)?;

@@ -25,27 +25,30 @@ use crate::shape::{Attribute, Between, Mesh, Positions, Property, PropertyOf, Pr
 use crate::watch::{Watch, stop_if_asked};
 use crate::world::World;
 
-/// Writes a built scene to a `.fhs` file, which [`open`](super::open) maps: its trees are not built again.
+/// Writes a built scene to a `.fhs` file, which [`open`](super::open) maps: its trees are not built
+/// again.
 ///
-/// The file appears whole or not at all, as all outputs do; a file of that name is replaced, and those who have it open keep
-/// theirs. `world` says what the scene itself does not: cameras, lights, the background, how to shade, which way is up. Its
-/// objects are not asked, since they are the scene's, and outputs stay behind. Control characters in names are escaped
-/// when the file is opened.
+/// The file appears whole or not at all, as all outputs do; a file of that name is replaced, and
+/// those who have it open keep theirs. `world` says what the scene itself does not: cameras,
+/// lights, the background, how to shade, which way is up. Its objects are not asked, since they are
+/// the scene's, and outputs stay behind. Control characters in names are escaped when the file is
+/// opened.
 ///
 /// The same scene gives the same bytes on every machine.
 ///
 /// # Errors
 ///
-/// [`Error::Argument`] for lights, a background or an up direction that point nowhere, and for samples that are not from 1 to
-/// 65,536; [`Error::Write`] when the system refuses, [`Error::Limit`] where memory is short, and [`Error::Interrupted`] when `watch`
-/// stops it.
+/// [`Error::Argument`] for lights, a background or an up direction that point nowhere, and for
+/// samples that are not from 1 to 65,536; [`Error::Write`] when the system refuses,
+/// [`Error::Limit`] where memory is short, and [`Error::Interrupted`] when `watch` stops it.
 pub fn save(path: &Path, scene: &Scene, world: &World, watch: &dyn Watch) -> Result<()> {
     with_content(path, scene, world, watch, |content| {
         write_whole(path, watch, |out| content.write(out, watch))
     })
 }
 
-/// The content of the file that [`save`] would write. [`load_bytes`](crate::load::load_bytes) reads it.
+/// The content of the file that [`save`] would write. [`load_bytes`](crate::load::load_bytes) reads
+/// it.
 ///
 /// # Errors
 ///

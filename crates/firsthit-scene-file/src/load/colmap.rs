@@ -6,11 +6,12 @@ use crate::camera::ColmapImages;
 use crate::error::{Error, Place, Result};
 use crate::io::read::regular_file;
 
-/// The largest size of each file, in bytes: the points of ten thousand images may come to half of it.
+/// The largest size of each file, in bytes: the points of ten thousand images may come to half of
+/// it.
 const LARGEST: u64 = 1 << 32;
 
-/// The files of cameras and images in the folder of a reconstruction: binary ones, or else text. Neither may be elsewhere, as by a
-/// symbolic link.
+/// The files of cameras and images in the folder of a reconstruction: binary ones, or else text.
+/// Neither may be elsewhere, as by a symbolic link.
 ///
 /// # Errors
 ///
@@ -46,8 +47,8 @@ pub fn colmap_files(folder: &Path) -> Result<[PathBuf; 2]> {
     Ok(pair)
 }
 
-/// Reads the cameras of a reconstruction by COLMAP from the files of cameras and of images, which are then
-/// inputs.
+/// Reads the cameras of a reconstruction by COLMAP from the files of cameras and of images, which
+/// are then inputs.
 ///
 /// # Errors
 ///

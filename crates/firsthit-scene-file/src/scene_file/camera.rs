@@ -112,7 +112,8 @@ const MATRIX: &[Key] = own!(PixelMatrix);
 const PINHOLE: &[Key] = optional_keys!(PixelMatrix::LIST.split_at(4).0);
 
 const SKEW: &[Key] = keys! {
-    /// The matrix' second number in the first row; of a viewplane how far columns lean to the right for each unit upwards.
+    /// The matrix' second number in the first row; of a viewplane how far columns lean to the right
+    /// for each unit upwards.
     skew: optional(Form::NUMBER),
 };
 
@@ -149,9 +150,11 @@ macro_rules! uncalibrated {
 }
 
 const FOV: &[Key] = keys! {
-    /// Degrees along fov_axis, with square pixels; instead of focal_length, width and height. Default: 45.
+    /// Degrees along fov_axis, with square pixels; instead of focal_length, width and height.
+    /// Default: 45.
     fov: optional(Form::Of(Domain::Between(0.0, 180.0))),
-    /// From the picture's lower to its upper edge, from the left to the right one, or from corner to corner. Default: "vertical".
+    /// From the picture's lower to its upper edge, from the left to the right one, or from corner
+    /// to corner. Default: "vertical".
     fov_axis: optional(Form::OneOf(|| FovAxis::NAMES.to_vec())),
 };
 

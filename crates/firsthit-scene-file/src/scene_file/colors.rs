@@ -10,7 +10,8 @@ use crate::scene::{ColorBy, Coloring};
 pub(super) const SCALE: &[Key] = keys! {
     /// The colour map. Default: viridis.
     map: optional(Form::OneOf(|| ColorMap::NAMES.to_vec())),
-    /// The numbers of the first and the last colour. Default: the least and the largest that the scene has, seen or not.
+    /// The numbers of the first and the last colour. Default: the least and the largest that the
+    /// scene has, seen or not.
     range: optional(Form::Range),
     /// The colour of numbers below a given range. Default: the map's first.
     below: optional(Form::COLOR),

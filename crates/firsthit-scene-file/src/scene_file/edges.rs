@@ -10,7 +10,8 @@ use crate::io::fault::Checked;
 pub(super) const LINES: &[Key] = keys! {
     /// Line width in pixels; lines narrower than a pixel are fainter. Default: 1.
     width: optional(Form::Of(Domain::UpTo(Edges::WIDEST))),
-    /// The angle between the normals of two adjacent faces above which their edge is a crease, in degrees. Default: 30.
+    /// The angle between the normals of two adjacent faces above which their edge is a crease, in
+    /// degrees. Default: 30.
     angle: optional(Form::Of(Domain::From(0.0, 180.0))),
     /// Line colour. Default: black.
     color: optional(Form::COLOR),
@@ -19,7 +20,8 @@ pub(super) const LINES: &[Key] = keys! {
 pub(super) static EDGES: Record = record! {
     "edges", "Lines along edges, over the colours.";
     Pick::Always => [LINES, keys! {
-        /// The kinds of edges that are drawn. Default: ["silhouette", "crease", "boundary", "material"].
+        /// The kinds of edges that are drawn. Default: ["silhouette", "crease", "boundary",
+        /// "material"].
         kinds: optional(Form::Array(&Form::OneOf(|| EdgeKind::NAMES.to_vec()), 1, usize::MAX)),
         /// Whether occluded lines are drawn, dashed. Default: false.
         hidden: optional(Form::FLAG),

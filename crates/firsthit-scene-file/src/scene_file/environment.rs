@@ -22,7 +22,8 @@ const UP: &[Key] = keys! {
 };
 
 const FILE: &[Key] = keys! {
-    /// A picture of all directions by longitude and latitude, .hdr or .exr, relative to the scene file and in its folder or below.
+    /// A picture of all directions by longitude and latitude, .hdr or .exr, relative to the scene
+    /// file and in its folder or below.
     file: required(Form::Path),
     /// A rotation: degrees about up, counter-clockwise seen from above, or a table as for objects.
     rotate: optional(Form::Either(&Form::NUMBER, &TURN)),

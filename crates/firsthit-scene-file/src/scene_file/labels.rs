@@ -1,4 +1,5 @@
-//! Labels of files' nodes and meshes, told apart where a scene file names several files, or one several times.
+//! Labels of files' nodes and meshes, told apart where a scene file names several files, or one
+//! several times.
 
 use std::collections::HashMap;
 
@@ -13,7 +14,8 @@ pub(super) struct Renumber {
 }
 
 impl Renumber {
-    /// The new label of each of a batch; `under` is put before their names, as the path of what they are parts of.
+    /// The new label of each of a batch; `under` is put before their names, as the path of what
+    /// they are parts of.
     pub(super) fn batch<'a>(
         &mut self,
         labels: impl Iterator<Item = &'a Label>,

@@ -13,7 +13,8 @@ use crate::io::fault::Checked;
 use crate::scene::{Material, Model, Object};
 
 const COMMON: &[Key] = keys! {
-    /// The radiance that the surface gives off: it is a light, with the least noise where it is a mesh or a sphere. Default: none.
+    /// The radiance that the surface gives off: it is a light, with the least noise where it is a
+    /// mesh or a sphere. Default: none.
     emission: optional(Form::COLOR),
 };
 
@@ -22,7 +23,8 @@ settings::variants!(Model::KINDS, |name| Pick::Tag("kind", name), COMMON);
 pub(super) static MATERIAL: Record =
     Record { name: "material", about: "What a surface is made of.", variants: &VARIANTS };
 
-/// A material of this colour; without one it is white where light goes through, and neutral elsewhere.
+/// A material of this colour; without one it is white where light goes through, and neutral
+/// elsewhere.
 pub(super) fn read(section: &Section<'_, '_>, color: Option<Color>) -> Checked<Material> {
     let kind = section.tag().unwrap_or("matte");
     let given = settings::given(section, Model::KINDS, kind);

@@ -1,7 +1,7 @@
 //! The scene file: TOML with cameras, objects, lights, an environment, a background and outputs.
 //!
-//! Tables list the keys: in `records`, and beside each reader. The reader checks a file against them, and [`schema`] is
-//! made from them.
+//! Tables list the keys: in `records`, and beside each reader. The reader checks a file against
+//! them, and [`schema`] is made from them.
 
 // A loader that panics is a loader that a file can crash.
 #![cfg_attr(
@@ -109,7 +109,8 @@ fn read(bytes: &[u8], report: &mut Report) -> Checked<World> {
         up,
         ..World::default()
     };
-    // The cameras' own values are checked before large files are read, each of which is a step of its own.
+    // The cameras' own values are checked before large files are read, each of which is a step of
+    // its own.
     let cameras = camera::read(&scene, report)?;
     report.advance_until(0)?;
     let (environment, sun) = environment::read(&scene, up, report)?.unzip();

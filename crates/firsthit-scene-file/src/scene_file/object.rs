@@ -33,12 +33,13 @@ const fn shape(name: &'static str, keys: &'static [&'static [Key]]) -> Variant {
 const INDEX: Form = Form::Whole(0, u32::MAX as i64);
 
 const FILE: &[Key] = keys! {
-    /// A mesh file, relative to the scene file and in its folder or below. Named several times, it is read once and shared.
+    /// A mesh file, relative to the scene file and in its folder or below. Named several times, it
+    /// is read once and shared.
     file: required(Form::Path),
     /// The unit of the file's lengths, which become metres. Default: lengths are as they are.
     units: optional(Form::OneOf(|| UNITS.iter().map(|&(name, _)| name).collect())),
-    /// The variant of a glTF file's materials, by its name. Default: the one that is asked for where the scene file is read, or the
-    /// materials that the file shows without one.
+    /// The variant of a glTF file's materials, by its name. Default: the one that is asked for
+    /// where the scene file is read, or the materials that the file shows without one.
     variant: optional(Form::Text),
 };
 
@@ -170,7 +171,8 @@ pub(super) fn read(scene: &Section<'_, '_>, report: &mut Report) -> Checked<Vec<
             let needed = each.saturating_mul(of_file.len() as u64);
             let needed = needed.saturating_add(names as u64);
             let charged = (report.budget).charge(needed, "an object for each of the file's");
-            // To count the lines up to here for each of many objects would take longer than all else.
+            // To count the lines up to here for each of many objects would take longer than all
+            // else.
             charged.map_err(|fault| match fault {
                 Fault::TooLarge { what, .. } => Fault::too_large(section.place("file"), what),
                 other => other,
@@ -235,7 +237,8 @@ fn part(path: &Path, report: &mut Report) -> Result<World> {
     Ok(World::of(load_part(path, report)?))
 }
 
-/// The world of a file in the variant that its table names, if it names one; where the file has none of that name, what to tell of it.
+/// The world of a file in the variant that its table names, if it names one; where the file has
+/// none of that name, what to tell of it.
 fn part_in(
     path: &Path,
     variant: Option<&str>,

@@ -56,7 +56,8 @@ impl Output {
     ///
     /// # Errors
     ///
-    /// [`Error::Argument`] for a file that would lead out of the scene's folder, and for one that is not regular.
+    /// [`Error::Argument`] for a file that would lead out of the scene's folder, and for one that
+    /// is not regular.
     pub fn with_channels(&self, scene: &Path, channels: Vec<String>) -> Result<Self> {
         let folder = scene.parent().unwrap_or(Path::new(""));
         let name = self.path.strip_prefix(folder).unwrap_or(&self.path);
@@ -71,8 +72,8 @@ impl Output {
     }
 }
 
-/// Refuses an output if a file that comes of it may not be written, with that file's name and the reason: links may stand under other names
-/// than its own.
+/// Refuses an output if a file that comes of it may not be written, with that file's name and the
+/// reason: links may stand under other names than its own.
 fn check_made(
     scene: &Path,
     (name, format): (&str, &Format),

@@ -23,7 +23,8 @@ pub(super) static SCENE: Record = record! {
         up: optional(Form::DIRECTION),
         /// The camera that a picture is taken with, unless another is asked for.
         camera: optional(Form::Table(&CAMERA)),
-        /// Further cameras, each a table [cameras.NAME]. Without [camera] the first of them takes the picture.
+        /// Further cameras, each a table [cameras.NAME]. Without [camera] the first of them takes
+        /// the picture.
         cameras: optional(Form::Named(&Form::Table(&CAMERA))),
         /// The objects, in the order of the identifiers.
         objects: optional(Form::List(&OBJECT)),

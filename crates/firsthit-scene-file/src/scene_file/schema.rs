@@ -7,8 +7,8 @@ use super::plan::PLAN;
 use super::records::SCENE;
 use super::table::{Pick, Record, Rule, Variant};
 
-/// The JSON Schema (draft 2020-12) of scene files, as text with a newline at its end. Editors complete
-/// and check scene files by it.
+/// The JSON Schema (draft 2020-12) of scene files, as text with a newline at its end. Editors
+/// complete and check scene files by it.
 pub fn schema() -> String {
     of(&SCENE, "firsthit scene file")
 }

@@ -12,7 +12,8 @@ use crate::error::{Error, Result, escape_controls};
 use crate::geometry::{Color, DVec3};
 use crate::io::fault::{Checked, Fault};
 
-/// A table whose keys are all known, of the right form, and in each other's company as they must be.
+/// A table whose keys are all known, of the right form, and in each other's company as they must
+/// be.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Section<'v, 't> {
     text: Text<'t>,

@@ -1,4 +1,5 @@
-//! Keys that are the settings of a light, a shader or a material, under the names that they have everywhere.
+//! Keys that are the settings of a light, a shader or a material, under the names that they have
+//! everywhere.
 
 #![allow(
     clippy::indexing_slicing,
@@ -13,8 +14,8 @@ use super::section::Section;
 use super::table::{Form, Key, Pick, Variant, optional};
 use crate::geometry::{Domain, Setting, SettingsSchema, Value};
 
-/// Makes `VARIANTS`: a table's variants, one for each of these kinds, with its settings and the keys that all of them have. What
-/// picks a variant is made of the kind's name.
+/// Makes `VARIANTS`: a table's variants, one for each of these kinds, with its settings and the
+/// keys that all of them have. What picks a variant is made of the kind's name.
 macro_rules! variants {
     ($kinds:expr, |$name:ident| $pick:expr, $common:expr) => {
         const COUNT: usize = $kinds.len();

@@ -12,12 +12,14 @@ use crate::io::fault::Checked;
 use crate::shade::{LightRig, Shader};
 
 const COMMON: &[Key] = keys! {
-    /// The colour of a pixel is the mean of this many points of it; 1 is its centre. Default: 16 where the shader draws numbers or there is a ground,
-    /// else 4.
+    /// The colour of a pixel is the mean of this many points of it; 1 is its centre. Default: 16
+    /// where the shader draws numbers or there is a ground, else 4.
     samples: optional(Form::Whole(1, 65_536)),
-    /// Lights that go with the camera, in place of the file's. Default: automatic light where nothing shines.
+    /// Lights that go with the camera, in place of the file's. Default: automatic light where
+    /// nothing shines.
     light: optional(Form::OneOf(|| LightRig::NAMES.to_vec())),
-    /// Whether there is a ground that only shadows are seen of, under everything. Default: with a set of lights but shoulder.
+    /// Whether there is a ground that only shadows are seen of, under everything. Default: with a
+    /// set of lights but shoulder.
     ground: optional(Form::FLAG),
 };
 

@@ -19,11 +19,11 @@ pub struct Loaded {
     pub files: Vec<PathBuf>,
     /// The warnings about the file: a line each, ready to print.
     pub warnings: Vec<String>,
-    /// The names of the variants of materials that the file has, one of which [`LoadSettings::variant`](crate::io::LoadSettings::variant)
-    /// may ask for.
+    /// The names of the variants of materials that the file has, one of which
+    /// [`LoadSettings::variant`](crate::io::LoadSettings::variant) may ask for.
     pub variants: Vec<String>,
-    /// The number of vertices in a glTF file: a buffer counts once for each primitive or node that names it. For other
-    /// formats `None`: the objects' buffers tell.
+    /// The number of vertices in a glTF file: a buffer counts once for each primitive or node that
+    /// names it. For other formats `None`: the objects' buffers tell.
     pub vertices: Option<u64>,
     /// The built scene of the file, as `.fhs` files have one, and scene files that name one: the
     /// scene of the world's objects, or of some.
@@ -56,7 +56,8 @@ impl Loaded {
         })
     }
 
-    /// The scene of the world, see [`World::into_scene`]. Trees that the file holds are not built again.
+    /// The scene of the world, see [`World::into_scene`]. Trees that the file holds are not built
+    /// again.
     ///
     /// ```
     /// use std::path::Path;

@@ -17,7 +17,8 @@ use crate::geometry::{Color, DVec3, Digest, unit};
 pub enum Background {
     /// One linear colour everywhere.
     Uniform(Color),
-    /// A sky: from `horizon` to `zenith` by the height of the direction, the same below the horizon.
+    /// A sky: from `horizon` to `zenith` by the height of the direction, the same below the
+    /// horizon.
     Gradient {
         /// The linear colour where the direction is level.
         horizon: Color,
@@ -26,7 +27,8 @@ pub enum Background {
         /// The direction upwards; any length but zero.
         up: DVec3,
     },
-    /// Transparent. Colours get a fourth number, the pixel's coverage (alpha), and are premultiplied by it.
+    /// Transparent. Colours get a fourth number, the pixel's coverage (alpha), and are
+    /// premultiplied by it.
     Transparent,
 }
 
@@ -34,7 +36,8 @@ impl Background {
     /// The default of pictures: a dark blue grey, which contrasts with white and with black models.
     pub const NEUTRAL: Self = Self::Uniform(Color::new(0.12, 0.17, 0.24));
 
-    /// The linear colour in a direction of any length; of a sky black where there is none, as beyond a fisheye's circle.
+    /// The linear colour in a direction of any length; of a sky black where there is none, as
+    /// beyond a fisheye's circle.
     pub fn color(&self, direction: DVec3) -> Color {
         match *self {
             Self::Uniform(color) => color,

@@ -11,8 +11,9 @@ use crate::geometry::require;
 use crate::error::Error;
 
 impl Scene {
-    /// The scene with translucent surfaces of meshes ([`AlphaMode::Blend`]) cut out as by an alpha mask: where their alpha is below
-    /// `cutoff` there is nothing, and elsewhere they are opaque. Trees over meshes are shared.
+    /// The scene with translucent surfaces of meshes ([`AlphaMode::Blend`]) cut out as by an alpha
+    /// mask: where their alpha is below `cutoff` there is nothing, and elsewhere they are opaque.
+    /// Trees over meshes are shared.
     ///
     /// ```
     /// use std::sync::Arc;
@@ -31,7 +32,8 @@ impl Scene {
     ///
     /// # Errors
     ///
-    /// [`Error::Argument`] for a cutoff that is not from 0 to 1, and those of [`Scene::with_objects`].
+    /// [`Error::Argument`] for a cutoff that is not from 0 to 1, and those of
+    /// [`Scene::with_objects`].
     pub fn with_blend_below(&self, cutoff: f64) -> Result<Self> {
         let is_share = (0.0..=1.0).contains(&cutoff);
         require("blend_below", "from 0 to 1", is_share, cutoff)?;

@@ -44,7 +44,8 @@ named! {
 pub struct BuildSettings {
     /// The trade-off between building and tracing.
     pub build: Build,
-    /// About how many rays will be shot, where that is known: pixels times samples, and those from there to lights.
+    /// About how many rays will be shot, where that is known: pixels times samples, and those from
+    /// there to lights.
     pub rays: Option<u64>,
 }
 
@@ -128,8 +129,8 @@ impl<'a> TreeBuilder<'a> {
     }
 }
 
-/// The tree of each object: that of a group, or one for each mesh, however many objects share it. What the scene before knows is used
-/// again, unless it is asked for better.
+/// The tree of each object: that of a group, or one for each mesh, however many objects share it.
+/// What the scene before knows is used again, unless it is asked for better.
 pub(super) fn object_trees(
     objects: &[Object],
     build: BuildSettings,

@@ -19,14 +19,16 @@ pub struct Label {
     pub name: Arc<str>,
 }
 
-/// The nodes, meshes and materials of a scene, each with a number: its place in the order in which objects have them. See
-/// [`Scene::catalog`].
+/// The nodes, meshes and materials of a scene, each with a number: its place in the order in which
+/// objects have them. See [`Scene::catalog`].
 ///
 /// - A **node** is one of the file's tree; objects from formats without a tree have none.
-/// - A **mesh** is one of the file, whose parts may be several objects. Of meshes without a label, those that objects share are one.
+/// - A **mesh** is one of the file, whose parts may be several objects. Of meshes without a label,
+///   those that objects share are one.
 /// - A **material** is known by its name and its look: two that are alike in both are one.
 ///
-/// An object is itself an instance, of a mesh at a node, so that instances have no other number than objects.
+/// An object is itself an instance, of a mesh at a node, so that instances have no other number
+/// than objects.
 #[derive(Debug, Clone, Default)]
 pub struct Catalog {
     nodes: Vec<Arc<str>>,
@@ -37,7 +39,8 @@ pub struct Catalog {
     lists: Vec<i32>,
 }
 
-/// The numbers of an object's node and mesh, -1 for none, and where its materials stand among the lists.
+/// The numbers of an object's node and mesh, -1 for none, and where its materials stand among the
+/// lists.
 #[derive(Debug, Clone)]
 struct Entry {
     node: i32,
@@ -89,7 +92,8 @@ impl Catalog {
         self.objects.get(object).map_or(-1, |entry| entry.mesh)
     }
 
-    /// The numbers of an object's materials, in the order of a mesh's slots; none for an object without a look.
+    /// The numbers of an object's materials, in the order of a mesh's slots; none for an object
+    /// without a look.
     pub fn materials_of(&self, object: usize) -> &[i32] {
         let entry = self.objects.get(object);
         let list = entry.and_then(|entry| self.lists.get(entry.materials.clone()));

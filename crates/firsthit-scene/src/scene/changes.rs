@@ -9,9 +9,10 @@ use crate::geometry::Transform;
 use crate::watch::Watch;
 
 impl Scene {
-    /// Moves an object: its shape is taken to the world by another transform. What is shot at the scene is answered as by
-    /// one that is built anew. This takes microseconds: nothing is built but, now and then, the tree over the objects. A mesh that shares a
-    /// tree with others in its space gets its own when it is first moved.
+    /// Moves an object: its shape is taken to the world by another transform. What is shot at the
+    /// scene is answered as by one that is built anew. This takes microseconds: nothing is built
+    /// but, now and then, the tree over the objects. A mesh that shares a tree with others in its
+    /// space gets its own when it is first moved.
     ///
     /// ```
     /// use firsthit::{DVec3, Object, Scene, Sphere, Transform, shoot};
@@ -29,22 +30,25 @@ impl Scene {
         self.move_objects(&[(object, transform)])
     }
 
-    /// Moves several objects, each to the transform beside it, as [`move_object`](Self::move_object) one after the other. The
-    /// tree over the objects is built anew at most once.
+    /// Moves several objects, each to the transform beside it, as
+    /// [`move_object`](Self::move_object) one after the other. The tree over the objects is built
+    /// anew at most once.
     ///
     /// # Errors
     ///
-    /// [`Error::Argument`] for an object that is not there, and [`Error::Limit`] where there is no memory for trees of objects that shared
-    /// one; then nothing has moved.
+    /// [`Error::Argument`] for an object that is not there, and [`Error::Limit`] where there is no
+    /// memory for trees of objects that shared one; then nothing has moved.
     pub fn move_objects(&mut self, places: &[(usize, Transform)]) -> Result<()> {
         self.move_objects_watched(places, &())
     }
 
-    /// As [`move_objects`](Self::move_objects); `watch` follows the trees that are built, and may end it.
+    /// As [`move_objects`](Self::move_objects); `watch` follows the trees that are built, and may
+    /// end it.
     ///
     /// # Errors
     ///
-    /// The errors of [`move_objects`](Self::move_objects), and [`Error::Interrupted`]; then nothing has moved.
+    /// The errors of [`move_objects`](Self::move_objects), and [`Error::Interrupted`]; then nothing
+    /// has moved.
     pub fn move_objects_watched(
         &mut self,
         places: &[(usize, Transform)],
@@ -80,23 +84,25 @@ impl Scene {
         Ok(())
     }
 
-    /// Hides objects from all rays and other queries, or shows them: `true` beside an object hides it. They keep their identifiers. Only
-    /// the tree over the objects is built anew, and the trees of meshes that are shown again and had shared one. `lint` looks at
-    /// hidden objects too.
+    /// Hides objects from all rays and other queries, or shows them: `true` beside an object hides
+    /// it. They keep their identifiers. Only the tree over the objects is built anew, and the trees
+    /// of meshes that are shown again and had shared one. `lint` looks at hidden objects too.
     ///
     /// # Errors
     ///
-    /// [`Error::Argument`] for an object that is not there, and [`Error::Limit`] where there is no memory for a tree; then nothing is
-    /// hidden or shown.
+    /// [`Error::Argument`] for an object that is not there, and [`Error::Limit`] where there is no
+    /// memory for a tree; then nothing is hidden or shown.
     pub fn hide_objects(&mut self, objects: &[(usize, bool)]) -> Result<()> {
         self.hide_objects_watched(objects, &())
     }
 
-    /// As [`hide_objects`](Self::hide_objects); `watch` follows the trees that are built, and may end it.
+    /// As [`hide_objects`](Self::hide_objects); `watch` follows the trees that are built, and may
+    /// end it.
     ///
     /// # Errors
     ///
-    /// The errors of [`hide_objects`](Self::hide_objects), and [`Error::Interrupted`]; then nothing is hidden or shown.
+    /// The errors of [`hide_objects`](Self::hide_objects), and [`Error::Interrupted`]; then nothing
+    /// is hidden or shown.
     pub fn hide_objects_watched(
         &mut self,
         objects: &[(usize, bool)],

@@ -1,7 +1,8 @@
 //! Objects in the same place as an earlier one.
 //!
-//! Files repeat themselves, and some do so to keep a renderer busy: a thousand objects in one place would be a thousand
-//! tests for every ray, and the first of them wins them all. Queries that ask for all hits visit them after the first.
+//! Files repeat themselves, and some do so to keep a renderer busy: a thousand objects in one place
+//! would be a thousand tests for every ray, and the first of them wins them all. Queries that ask
+//! for all hits visit them after the first.
 
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -14,7 +15,8 @@ use crate::shape::Shape;
 /// The most earlier objects with equal bounds that an object is compared with.
 const MOST: usize = 4;
 
-/// The objects whose every hit an earlier one has too, at the same `t`. No ray meets them first, so they are left out of trees.
+/// The objects whose every hit an earlier one has too, at the same `t`. No ray meets them first, so
+/// they are left out of trees.
 #[derive(Debug, Clone, Default)]
 #[doc(hidden)]
 pub struct Duplicates {

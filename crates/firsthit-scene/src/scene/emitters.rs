@@ -10,8 +10,9 @@ use crate::sampling::distribution::Distribution;
 use crate::sampling::warp;
 use crate::shape::{Mesh, Shape};
 
-/// The surfaces of a scene that shine: triangles and spheres, drawn in proportion to their area and luminance. They shine on both
-/// sides. Copies of others in the same place are left out: no ray meets them.
+/// The surfaces of a scene that shine: triangles and spheres, drawn in proportion to their area and
+/// luminance. They shine on both sides. Copies of others in the same place are left out: no ray
+/// meets them.
 #[derive(Debug, Clone)]
 #[doc(hidden)]
 pub struct Emitters {
@@ -29,7 +30,8 @@ impl Emitters {
     pub(super) fn new(scene: &Scene) -> Self {
         let (mut surfaces, mut powers) = (Vec::new(), Vec::new());
         let mut has_others = false;
-        // The places of triangles: of those in one place, a ray meets the first. A mesh with some of its surface cut out has none.
+        // The places of triangles: of those in one place, a ray meets the first. A mesh with some
+        // of its surface cut out has none.
         let mut places = HashSet::new();
         for (object, number) in scene.objects().iter().zip(0..) {
             if object.is_hidden() || !object.shines() {
@@ -87,7 +89,8 @@ impl Emitters {
         self.has_others
     }
 
-    /// Light that arrives at a point, from a surface and a point of it that three numbers from 0 to 1 stand for.
+    /// Light that arrives at a point, from a surface and a point of it that three numbers from 0 to
+    /// 1 stand for.
     pub fn sample(
         &self,
         scene: &Scene,
@@ -233,8 +236,8 @@ fn place(corners: [DVec3; 3]) -> [[u64; 3]; 3] {
     place
 }
 
-/// Whether a point sees a part of a sphere alone, which is then drawn. From within, and through a translucent one, it sees all of the sphere,
-/// which is drawn evenly by area.
+/// Whether a point sees a part of a sphere alone, which is then drawn. From within, and through a
+/// translucent one, it sees all of the sphere, which is drawn evenly by area.
 fn is_seen_in_part(object: &Object, sphere: &SphereLight, at: DVec3) -> bool {
     let material = object.material(0);
     let is_translucent = material.is_some_and(|material| {

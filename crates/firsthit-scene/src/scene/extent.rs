@@ -10,12 +10,14 @@ use crate::geometry::{Bounds, DVec3};
 use crate::parallel;
 
 impl Scene {
-    /// The smallest box around all objects in the world, infinite and hidden ones left out; empty without any.
+    /// The smallest box around all objects in the world, infinite and hidden ones left out; empty
+    /// without any.
     pub fn bounds(&self) -> Bounds {
         *parallel::once(&self.derived.places.bounds, || self.smallest_bounds())
     }
 
-    /// Around each end the objects are asked for their smallest boxes whose wide boxes go beyond what was found, the farthest first.
+    /// Around each end the objects are asked for their smallest boxes whose wide boxes go beyond
+    /// what was found, the farthest first.
     fn smallest_bounds(&self) -> Bounds {
         let boxes = self.top.boxes();
         let is_counted = |&k: &usize| {
@@ -59,7 +61,8 @@ impl Scene {
             .unwrap_or_else(|| object.bounds())
     }
 
-    /// A box that no ray meets anything outside of, a little larger than [`bounds`](Self::bounds); `None` where something has no end.
+    /// A box that no ray meets anything outside of, a little larger than [`bounds`](Self::bounds);
+    /// `None` where something has no end.
     #[doc(hidden)]
     pub fn blocking_bounds(&self) -> Option<Bounds> {
         let mut boxed = self.objects.iter().zip(self.top.boxes());
@@ -73,8 +76,9 @@ impl Scene {
         Some(Bounds { low: low - margin, high: high + margin })
     }
 
-    /// The support function: the largest dot product of `direction` with a point of the scene, for a direction of any length.
-    /// Infinite and hidden objects are left out; minus infinity for a scene without others.
+    /// The support function: the largest dot product of `direction` with a point of the scene, for
+    /// a direction of any length. Infinite and hidden objects are left out; minus infinity for a
+    /// scene without others.
     ///
     /// It is exact for every shape, where [`bounds`](Self::bounds) is a box around it.
     ///
@@ -91,8 +95,8 @@ impl Scene {
     }
 }
 
-/// A box around an object in the world in constant time. Of a turned mesh it is wider than the smallest one, which would take longer to
-/// find than it saves rays.
+/// A box around an object in the world in constant time. Of a turned mesh it is wider than the
+/// smallest one, which would take longer to find than it saves rays.
 pub(super) fn box_around(object: &Object, tree: Option<&Arc<MeshTree>>) -> Bounds {
     let transform = object.transform();
     let is_turned = object.mesh().is_some() && !transform.keeps_axes();
@@ -102,7 +106,8 @@ pub(super) fn box_around(object: &Object, tree: Option<&Arc<MeshTree>>) -> Bound
         .unwrap_or_else(|| object.box_around())
 }
 
-/// Something of each object, by its number. Few objects may take long each, and of many each takes little.
+/// Something of each object, by its number. Few objects may take long each, and of many each takes
+/// little.
 pub(super) fn in_parts<T: Send>(
     objects: &[Object],
     of: impl Fn(usize, &Object) -> T + Sync,
@@ -115,8 +120,9 @@ pub(super) fn in_parts<T: Send>(
     })
 }
 
-/// See [`Scene::support`]. Objects are visited in the order of the bounds that their boxes give, until no bound that is left
-/// exceeds the largest product found: of many instances of a mesh, the vertices of a few are visited.
+/// See [`Scene::support`]. Objects are visited in the order of the bounds that their boxes give,
+/// until no bound that is left exceeds the largest product found: of many instances of a mesh, the
+/// vertices of a few are visited.
 #[doc(hidden)]
 pub fn support(objects: &[Object], direction: DVec3) -> f64 {
     let bound = |index, object: &Object| (object.support_bound(direction), index);
@@ -205,7 +211,8 @@ mod tests {
         }
     }
 
-    /// A rod along the diagonal of its mesh's box, turned to lie along an axis: that box turned with it is 3 wide.
+    /// A rod along the diagonal of its mesh's box, turned to lie along an axis: that box turned
+    /// with it is 3 wide.
     #[test]
     fn the_box_around_a_turned_rod_is_close_to_it() {
         let places = (0..3_000).map(|k| [k as f32 / 1_500.0 - 1.0; 3]);

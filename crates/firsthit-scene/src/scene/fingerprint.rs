@@ -10,11 +10,12 @@ use crate::parallel;
 use crate::shape::{Property, Surface};
 
 impl Scene {
-    /// A fingerprint of what can be seen: shapes, transforms, colours, lights, which objects are hidden. Scenes with the same
-    /// one give the same pictures; it is the same on every machine, and says nothing of files, names and masks other than 0.
+    /// A fingerprint of what can be seen: shapes, transforms, colours, lights, which objects are
+    /// hidden. Scenes with the same one give the same pictures; it is the same on every machine,
+    /// and says nothing of files, names and masks other than 0.
     ///
-    /// `blake3:` and 32 hexadecimal digits: the first half of the BLAKE3 digest of all that numbers say. Made
-    /// once for a scene, by all threads of the current rayon pool.
+    /// `blake3:` and 32 hexadecimal digits: the first half of the BLAKE3 digest of all that numbers
+    /// say. Made once for a scene, by all threads of the current rayon pool.
     pub fn fingerprint(&self) -> &str {
         parallel::once::<String>(&self.derived.fingerprint, || self.digest().name())
     }
@@ -31,7 +32,8 @@ impl Scene {
         }
     }
 
-    /// Adds the numbers that surfaces are coloured by, as far as the fingerprint does not know them.
+    /// Adds the numbers that surfaces are coloured by, as far as the fingerprint does not know
+    /// them.
     #[doc(hidden)]
     pub fn digest_coloring(&self, digest: &mut Digest) {
         match self.colored().map(|colored| &colored.coloring().by) {
@@ -150,7 +152,8 @@ fn digest_material(material: &Material, known: &mut Known, digest: &mut Digest) 
             digest_map(map, known, digest);
         }
     }
-    // All that follows only where it is unusual, so that scenes of plain materials keep the fingerprints they had.
+    // All that follows only where it is unusual, so that scenes of plain materials keep the
+    // fingerprints they had.
     for (role, map) in maps.roles().filter(|(role, _)| !first.contains(role)) {
         digest.word(role.name());
         digest_map(map, known, digest);

@@ -14,8 +14,8 @@ use crate::geometry::{
 };
 use crate::shape::{Mesh, Shape, Surface, mesh};
 
-/// A ray's hit on a surface. The object, the mesh and the material are looked up once; everything else is computed when it is
-/// asked for, or before, for many at a time.
+/// A ray's hit on a surface. The object, the mesh and the material are looked up once; everything
+/// else is computed when it is asked for, or before, for many at a time.
 ///
 /// ```
 /// use firsthit::{DVec3, Object, Ray, Scene, Sphere, shoot};
@@ -52,8 +52,8 @@ struct Geometry {
 impl Scene {
     /// The surface interaction of a ray's hit; `None` for a miss.
     ///
-    /// It takes a hit of this scene. With one of another scene it answers for whatever has its identifiers here: `None` where there is
-    /// no such object, or its mesh has no such triangle.
+    /// It takes a hit of this scene. With one of another scene it answers for whatever has its
+    /// identifiers here: `None` where there is no such object, or its mesh has no such triangle.
     #[inline]
     pub fn interaction<'a>(&'a self, ray: &'a Ray, hit: &'a Hit) -> Option<SurfaceInteraction<'a>> {
         let object = self.object(hit)?;
@@ -103,10 +103,11 @@ impl<'a> SurfaceInteraction<'a> {
 
     /// The position of the hit in the world.
     ///
-    /// `ray.at(hit.t)` is off by the rounding of everything on the ray's way; this point is on the surface. In object space a
-    /// triangle's is the mean of its corners by the hit's weights, off its plane by 13 * 2^-53 of the largest coordinate at most. Other shapes'
-    /// is `ray.at(hit.t)` moved onto the shape, off that by 8 * 2^-53 of the shape's largest coordinate and its size. A
-    /// transform rounds once more.
+    /// `ray.at(hit.t)` is off by the rounding of everything on the ray's way; this point is on the
+    /// surface. In object space a triangle's is the mean of its corners by the hit's weights, off
+    /// its plane by 13 * 2^-53 of the largest coordinate at most. Other shapes' is `ray.at(hit.t)`
+    /// moved onto the shape, off that by 8 * 2^-53 of the shape's largest coordinate and its size.
+    /// A transform rounds once more.
     #[inline]
     pub fn position(&self) -> DVec3 {
         self.geometry().position
@@ -145,9 +146,10 @@ impl<'a> SurfaceInteraction<'a> {
         }
     }
 
-    /// A ray from the hit on, and the filter that goes with it: it meets neither the surface it leaves, nor the neighbours that touch
-    /// it at the start, but everything else, however near. No offset is needed. At an edge or a vertex of an open mesh a ray from the side
-    /// that was met into a neighbour is stopped there, at the least `t` above 0.
+    /// A ray from the hit on, and the filter that goes with it: it meets neither the surface it
+    /// leaves, nor the neighbours that touch it at the start, but everything else, however near. No
+    /// offset is needed. At an edge or a vertex of an open mesh a ray from the side that was met
+    /// into a neighbour is stopped there, at the least `t` above 0.
     ///
     /// ```
     /// use firsthit::shoot::{First, trace};
@@ -179,25 +181,27 @@ impl<'a> SurfaceInteraction<'a> {
         RayFilter { departure: Some(departure), ..RayFilter::NONE }
     }
 
-    /// The geometric normal in the world: the face's own, of length one, outwards for closed shapes. NaN for a triangle
-    /// without an area.
+    /// The geometric normal in the world: the face's own, of length one, outwards for closed
+    /// shapes. NaN for a triangle without an area.
     #[inline]
     pub fn normal(&self) -> DVec3 {
         self.geometry().normal
     }
 
-    /// The angle between the ray and the line along the geometric normal, in radians: 0 head on, pi / 2 at most. NaN for a triangle
-    /// without an area.
+    /// The angle between the ray and the line along the geometric normal, in radians: 0 head on, pi
+    /// / 2 at most. NaN for a triangle without an area.
     ///
-    /// It is the arc tangent of sine and cosine: next to 0 the arc cosine would lose half of the digits.
+    /// It is the arc tangent of sine and cosine: next to 0 the arc cosine would lose half of the
+    /// digits.
     pub fn incidence(&self) -> f64 {
         let normal = self.normal();
         let way = moderation(self.ray.direction) * self.ray.direction;
         libm::atan2(normal.cross(way).length(), normal.dot(way).abs())
     }
 
-    /// The normal to shade with, in the world, of length one: interpolated where the mesh has normals at its vertices, on the same
-    /// side as the geometric normal, which it is everywhere else.
+    /// The normal to shade with, in the world, of length one: interpolated where the mesh has
+    /// normals at its vertices, on the same side as the geometric normal, which it is everywhere
+    /// else.
     #[inline]
     pub fn shading_normal(&self) -> DVec3 {
         let geometric = self.normal();
@@ -216,14 +220,16 @@ impl<'a> SurfaceInteraction<'a> {
         self.ray.direction.dot(self.normal()) < 0.0
     }
 
-    /// 1 where the front was met, and -1 where the back was: times a normal it is the normal on the side that is seen.
+    /// 1 where the front was met, and -1 where the back was: times a normal it is the normal on the
+    /// side that is seen.
     #[inline]
     #[doc(hidden)]
     pub fn side(&self) -> f64 {
         if self.is_front() { 1.0 } else { -1.0 }
     }
 
-    /// The linear colour: that of its number, where the scene is [coloured by numbers](Scene::with_coloring), or else its own.
+    /// The linear colour: that of its number, where the scene is [coloured by
+    /// numbers](Scene::with_coloring), or else its own.
     #[inline]
     pub fn color(&self) -> Color {
         let by_number = self.colored.and_then(|colored| colored.color(self));

@@ -1,13 +1,15 @@
 //! Objects in one space whose meshes share a tree.
 //!
-//! A ray comes to all of them at once, as if they were one mesh. One of them, the leader, stands for all in the tree over the objects, and
-//! its number with that of a triangle in the shared tree says what was met ([`Scene::surface_at`]).
+//! A ray comes to all of them at once, as if they were one mesh. One of them, the leader, stands
+//! for all in the tree over the objects, and its number with that of a triangle in the shared tree
+//! says what was met ([`Scene::surface_at`]).
 //!
 //! 1. Join objects with the same transform and mask whose meshes no other object has, that are cut
 //!    out nowhere and in no other's place, and near to each other. Leave out what is so fine beside
 //!    the others that float32 could not tell its triangles apart.
 //! 2. Build one tree over all triangles.
-//! 3. An object that is moved, hidden or changed leaves: its triangles are taken out of the leaves, and it gets a tree of its own.
+//! 3. An object that is moved, hidden or changed leaves: its triangles are taken out of the leaves,
+//!    and it gets a tree of its own.
 
 mod find;
 
@@ -186,7 +188,8 @@ impl Group {
         2 * there.sum::<usize>() >= Meshes::Joined(&self.meshes).count()
     }
 
-    /// The group of the objects that stay, under their new numbers; `None` where there are none, or their order is another one.
+    /// The group of the objects that stay, under their new numbers; `None` where there are none, or
+    /// their order is another one.
     fn keeping(mut self, new: impl Fn(u32) -> Option<u32>) -> Option<Self> {
         let (mut staying, mut leaving) = (Vec::new(), Vec::new());
         for (member, object) in self.objects.iter_mut().enumerate() {
@@ -219,7 +222,8 @@ impl Group {
     }
 }
 
-/// The meshes that have a triangle in the place of an earlier one's. If that left, the tree would lack the triangle.
+/// The meshes that have a triangle in the place of an earlier one's. If that left, the tree would
+/// lack the triangle.
 fn with_common_triangles(meshes: &JoinedMeshes, tree: &MeshTree) -> HashSet<usize> {
     let mesh = |triangle| meshes.locate(triangle).0;
     let pairs = tree.copies().iter();
@@ -260,14 +264,16 @@ impl Scene {
         (group.leader == object).then_some(group)
     }
 
-    /// The object that stands for an object in the tree over the objects: itself, or the leader of its group.
+    /// The object that stands for an object in the tree over the objects: itself, or the leader of
+    /// its group.
     #[inline]
     #[doc(hidden)]
     pub fn leader_of(&self, object: u32) -> u32 {
         self.group(object).map_or(object, |group| group.leader)
     }
 
-    /// The triangles and the tree that rays come to at an object: those of its group if it leads one, none if another does.
+    /// The triangles and the tree that rays come to at an object: those of its group if it leads
+    /// one, none if another does.
     #[inline]
     #[doc(hidden)]
     pub fn at_mesh(&self, object: u32) -> Option<(Meshes<'_>, &MeshTree)> {
@@ -282,7 +288,8 @@ impl Scene {
         }
     }
 
-    /// The numbers of the triangles of an object that shares a tree: the first, and the first that is another's.
+    /// The numbers of the triangles of an object that shares a tree: the first, and the first that
+    /// is another's.
     #[inline]
     #[doc(hidden)]
     pub fn numbers_of(&self, object: u32) -> Option<[u32; 2]> {
@@ -318,7 +325,8 @@ impl Scene {
     ///
     /// # Errors
     ///
-    /// [`Error::Limit`] where there is no memory for these, and [`Error::Interrupted`]; nothing has changed then.
+    /// [`Error::Limit`] where there is no memory for these, and [`Error::Interrupted`]; nothing has
+    /// changed then.
     pub(super) fn part(
         &mut self,
         objects: &[u32],

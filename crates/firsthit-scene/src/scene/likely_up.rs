@@ -16,7 +16,8 @@ const BASE: f64 = 0.2;
 /// A base must be this many times larger than the base along the other axis.
 const CLEARLY: f64 = 10.0;
 
-/// Areas projected along y and along z: of all triangles, of the level ones in the base, and of those in the lid.
+/// Areas projected along y and along z: of all triangles, of the level ones in the base, and of
+/// those in the lid.
 #[derive(Clone, Copy, Default)]
 pub(super) struct LevelAreas {
     all: DVec2,
@@ -35,12 +36,14 @@ impl LevelAreas {
 }
 
 impl Scene {
-    /// Guesses whether +y or +z is up, for a file that does not say. `convention` is the format's own answer, and is
-    /// returned unless it is +y or +z and the scene clearly stands on a flat base along the other of the two: the base is large,
-    /// the lid is not, and there is hardly a base along `convention`.
+    /// Guesses whether +y or +z is up, for a file that does not say. `convention` is the format's
+    /// own answer, and is returned unless it is +y or +z and the scene clearly stands on a flat
+    /// base along the other of the two: the base is large, the lid is not, and there is hardly a
+    /// base along `convention`.
     ///
-    /// Busts, bottles and figures on a pedestal are recognised. Scenes without a base, and those with flat sides all around,
-    /// as most machine parts have, keep the convention. Takes time linear in the number of triangles.
+    /// Busts, bottles and figures on a pedestal are recognised. Scenes without a base, and those
+    /// with flat sides all around, as most machine parts have, keep the convention. Takes time
+    /// linear in the number of triangles.
     pub fn likely_up(&self, convention: DVec3) -> DVec3 {
         let (mine, other) = match convention {
             DVec3::Y => (0, 1),

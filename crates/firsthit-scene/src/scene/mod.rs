@@ -189,8 +189,8 @@ impl Scene {
         Self { build: settings, ..self }
     }
 
-    /// A clone, or an error where there is no memory for the objects and the tree over them, where `clone` ends the process.
-    /// Meshes and their trees are shared.
+    /// A clone, or an error where there is no memory for the objects and the tree over them, where
+    /// `clone` ends the process. Meshes and their trees are shared.
     ///
     /// # Errors
     ///
@@ -204,10 +204,10 @@ impl Scene {
         Ok(self.clone())
     }
 
-    /// A scene of other objects, with the same lights, coloured as this one. What did not change is shared: the tree over a mesh
-    /// that this scene has too is not built again. A mesh in the place of one with the
-    /// same triangles and other vertices gets that one's tree: its boxes are fitted to the new vertices, unless that
-    /// would make a poor tree.
+    /// A scene of other objects, with the same lights, coloured as this one. What did not change is
+    /// shared: the tree over a mesh that this scene has too is not built again. A mesh in the place
+    /// of one with the same triangles and other vertices gets that one's tree: its boxes are fitted
+    /// to the new vertices, unless that would make a poor tree.
     ///
     /// # Errors
     ///
@@ -251,7 +251,8 @@ impl Scene {
     ///
     /// # Errors
     ///
-    /// [`Error::Limit`] where there is no memory for them, and [`Error::Interrupted`] when `watch` stops it.
+    /// [`Error::Limit`] where there is no memory for them, and [`Error::Interrupted`] when `watch`
+    /// stops it.
     #[doc(hidden)]
     pub fn with_best_trees(&self, watch: &dyn Watch) -> Result<Self> {
         let best = BuildSettings { build: Build::Best, ..self.build };
@@ -432,7 +433,8 @@ impl Scene {
         self.objects.get(usize::try_from(hit.object).ok()?)
     }
 
-    /// The objects that no ray meets first, because an earlier one is in their place: no tree has them.
+    /// The objects that no ray meets first, because an earlier one is in their place: no tree has
+    /// them.
     #[doc(hidden)]
     #[inline]
     pub fn duplicates(&self) -> &Duplicates {
@@ -486,7 +488,8 @@ impl Scene {
         self.top.boxes()
     }
 
-    /// The first object that is not [closed](Shape::is_closed), or has parts that are cut out. An empty mesh has no part.
+    /// The first object that is not [closed](Shape::is_closed), or has parts that are cut out. An
+    /// empty mesh has no part.
     #[doc(hidden)]
     pub fn first_open_object(&self) -> Option<usize> {
         let has_gaps = |object: &Object| object.has_cutouts() || !object.shape().is_closed();

@@ -7,8 +7,8 @@ use crate::geometry::{Bounds, Color, DVec2, DVec3, Ray, Transform};
 use crate::shape::triangle::{Doubtful, EdgeRule, MeshFilter, Shear};
 use crate::shape::{Crossing, Mesh, Meshes, Shape, Surface};
 
-/// A shape somewhere in the world. Objects that share a mesh (an [`Arc`]) are instances of it: nothing is
-/// copied.
+/// A shape somewhere in the world. Objects that share a mesh (an [`Arc`]) are instances of it:
+/// nothing is copied.
 ///
 /// ```
 /// use firsthit::{Color, DVec3, Object, Sphere, Transform};
@@ -315,19 +315,22 @@ impl Object {
             .map(|point| point.abs().max_element())
             .into_iter()
             .fold(0.0, f64::max);
-        // The object's coordinates in the world are the box's without the translation: at most the sum.
+        // The object's coordinates in the world are the box's without the translation: at most the
+        // sum.
         let padding = DVec3::splat(2.0 * slack * largest);
         Bounds { low: bounds.low - padding, high: bounds.high + padding }
     }
 
-    /// The support function in the world: the largest dot product of `direction` with a point of the object, for a direction of
-    /// any length. Infinite for an infinite shape, minus infinity for one without points.
+    /// The support function in the world: the largest dot product of `direction` with a point of
+    /// the object, for a direction of any length. Infinite for an infinite shape, minus infinity
+    /// for one without points.
     pub fn support(&self, direction: DVec3) -> f64 {
         self.along(direction, |direction| self.shape.support(direction))
     }
 
-    /// An upper bound of [`support`](Self::support) in constant time. For a mesh it is the support of its box: a vertex and the
-    /// box's corner go through the same operations, and rounding is monotone, so that it holds to the last bit.
+    /// An upper bound of [`support`](Self::support) in constant time. For a mesh it is the support
+    /// of its box: a vertex and the box's corner go through the same operations, and rounding is
+    /// monotone, so that it holds to the last bit.
     pub(super) fn support_bound(&self, direction: DVec3) -> f64 {
         self.along(direction, |direction| match &self.shape {
             Shape::Mesh(mesh) => {
@@ -393,7 +396,8 @@ impl Object {
         self.farthest
     }
 
-    /// Whether a coordinate of its shape is so large that its square leaves float64: then it is not met.
+    /// Whether a coordinate of its shape is so large that its square leaves float64: then it is not
+    /// met.
     #[inline]
     #[doc(hidden)]
     pub fn is_out_of_range(&self) -> bool {

@@ -32,8 +32,9 @@ impl Scene {
         &self.trees[object]
     }
 
-    /// The scene of these parts, as [`Scene::new`] makes it of its objects. What takes long to find, the boxes and the
-    /// duplicates, is taken as it is: what is wrong there makes wrong answers and no more.
+    /// The scene of these parts, as [`Scene::new`] makes it of its objects. What takes long to
+    /// find, the boxes and the duplicates, is taken as it is: what is wrong there makes wrong
+    /// answers and no more.
     ///
     /// # Errors
     ///

@@ -7,8 +7,8 @@ use crate::geometry::summary::summary;
 use crate::geometry::{Color, DVec2, srgb_decode_level};
 use crate::memory::Storage;
 
-/// Texels of 8-bit red, green, blue and alpha. Colours are encoded as sRGB, alpha is linear; row 0 is the
-/// top one.
+/// Texels of 8-bit red, green, blue and alpha. Colours are encoded as sRGB, alpha is linear; row 0
+/// is the top one.
 ///
 /// ```
 /// use firsthit::Texture;
@@ -130,7 +130,8 @@ impl Wrap {
     )]
     fn index(self, texel: f64, count: usize) -> usize {
         let n = count as f64;
-        // Remainders of whole numbers are exact; far outside, where texels are finer than float64, any will do.
+        // Remainders of whole numbers are exact; far outside, where texels are finer than float64,
+        // any will do.
         let remainder = |period: f64| {
             let remainder = texel % period;
             if remainder < 0.0 { remainder + period } else { remainder }
@@ -195,8 +196,8 @@ pub struct TextureMap {
     pub filter: Filter,
     /// The mesh's set of texture coordinates that the map takes: the first, or the second.
     pub uv_set: UvSet,
-    /// The rows of the map from a mesh's texture coordinates (u, v, 1) to the picture's, which run from 0 at the
-    /// left to 1 at the right, and from 0 at the top to 1 at the bottom.
+    /// The rows of the map from a mesh's texture coordinates (u, v, 1) to the picture's, which run
+    /// from 0 at the left to 1 at the right, and from 0 at the top to 1 at the bottom.
     pub picture_from_uv: [[f64; 3]; 2],
 }
 
@@ -222,7 +223,8 @@ impl TextureMap {
         self.sample(uv, Levels::Srgb)
     }
 
-    /// The value at texture coordinates of a texture that holds numbers, not colours; `None` where those are not finite.
+    /// The value at texture coordinates of a texture that holds numbers, not colours; `None` where
+    /// those are not finite.
     pub fn data_at(&self, uv: DVec2) -> Option<[f64; 4]> {
         let sample = self.sample(uv, Levels::Plain)?;
         Some(sample.color.extend(sample.alpha).to_array())

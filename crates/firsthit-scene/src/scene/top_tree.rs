@@ -29,19 +29,19 @@ const MOST_OTHERS: u32 = 8;
 const WORN: f64 = 1.25;
 const MOVES_EACH: usize = 32;
 
-/// Beyond this share of the coordinates, the rounding of one object's transform (it all but flattens space) would widen
-/// the boxes of all objects. Then this object goes without a box.
+/// Beyond this share of the coordinates, the rounding of one object's transform (it all but
+/// flattens space) would widen the boxes of all objects. Then this object goes without a box.
 pub(super) const LARGEST_SLACK: f64 = 1e-8;
 
 /// See [the module](self).
 #[derive(Debug, Clone)]
 pub(super) struct TopTree {
     tree: Bvh,
-    /// The objects that are in no tree: they have no finite box, or only a vague one, or there are so few that asking the tree would take
-    /// longer.
+    /// The objects that are in no tree: they have no finite box, or only a vague one, or there are
+    /// so few that asking the tree would take longer.
     outside: Vec<Candidate>,
-    /// All objects that may be met, in a tree or not, lone shapes first; none where there are more than
-    /// [`LISTED`].
+    /// All objects that may be met, in a tree or not, lone shapes first; none where there are more
+    /// than [`LISTED`].
     listed: Vec<Candidate>,
     /// The number of lone shapes among the candidates.
     lone_shapes: u32,
@@ -157,8 +157,9 @@ impl TopTree {
         }
     }
 
-    /// Fits the tree to objects that were moved. Each takes time in proportion to the tree's depth; the first call
-    /// also finds all leaves. The tree is built anew once fitted boxes overlap too much. `around` is a box around an object.
+    /// Fits the tree to objects that were moved. Each takes time in proportion to the tree's depth;
+    /// the first call also finds all leaves. The tree is built anew once fitted boxes overlap too
+    /// much. `around` is a box around an object.
     pub(super) fn moved(
         &mut self,
         objects: &[Object],
@@ -223,7 +224,8 @@ impl TopTree {
         self.boxes[object as usize] = bounds;
     }
 
-    /// The object that stands for all that rays may meet, if it is one alone and no other is in its place.
+    /// The object that stands for all that rays may meet, if it is one alone and no other is in its
+    /// place.
     pub(super) fn only_object(&self) -> Option<u32> {
         self.only_object
     }
@@ -266,8 +268,8 @@ pub struct NearbyObjects<'a> {
 }
 
 impl NearbyObjects<'_> {
-    /// The next object of which a point may be at a distance with a square of at most `limit`. From call to call `limit` must
-    /// not grow, and `stack` must be the same.
+    /// The next object of which a point may be at a distance with a square of at most `limit`. From
+    /// call to call `limit` must not grow, and `stack` must be the same.
     pub fn next(&mut self, limit: f64, stack: &mut WalkStack) -> Option<u32> {
         if let Some((first, rest)) = self.outside.split_first() {
             self.outside = rest;
@@ -304,7 +306,8 @@ pub struct CandidateList<'a> {
 }
 
 impl CandidateList<'_> {
-    /// The indices of the lone shapes: of objects that are no meshes, and in whose place is no other.
+    /// The indices of the lone shapes: of objects that are no meshes, and in whose place is no
+    /// other.
     #[inline(always)]
     pub fn lone_shapes(self) -> impl Iterator<Item = u32> {
         let mut left = self.shapes;
@@ -380,8 +383,8 @@ impl<'a> ObjectCandidates<'a> {
 }
 
 impl ObjectCandidates<'_> {
-    /// The next object that `ray` may meet at a parameter of at most `t_max`. From call to call `t_max` must not
-    /// grow, and `ray` and `stack` must be the same.
+    /// The next object that `ray` may meet at a parameter of at most `t_max`. From call to call
+    /// `t_max` must not grow, and `ray` and `stack` must be the same.
     #[inline(always)]
     pub fn next<L: Lanes>(
         &mut self,

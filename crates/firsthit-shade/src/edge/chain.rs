@@ -54,11 +54,13 @@ impl Chains<'_> {
     fn at(&self, place: u32) -> &[(u32, usize)] {
         let first = self.ends.partition_point(|(other, _)| *other < place);
         let rest = &self.ends[first..];
-        // Not edge by edge: that would be quadratic where many edges meet in one place, as in a fan.
+        // Not edge by edge: that would be quadratic where many edges meet in one place, as in a
+        // fan.
         &rest[..rest.partition_point(|(other, _)| *other == place)]
     }
 
-    /// Takes an edge and those after it, up to a place where other than two meet, or until all are taken.
+    /// Takes an edge and those after it, up to a place where other than two meet, or until all are
+    /// taken.
     fn walk(&mut self, mut edge: usize, mut is_reversed: bool) {
         let mut is_first = true;
         while !self.is_taken[edge] {

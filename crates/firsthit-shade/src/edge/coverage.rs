@@ -1,9 +1,10 @@
 //! The coverage of pixels by lines.
 //!
-//! Of a pixel whose centre is at a distance d from the middle of a line of width w, the line covers the overlap of a box of one pixel
-//! with a box of width w: `(w + 1) / 2 - d`, from 0 to the smaller of 1 and w. Its integral across the line is w, whatever the width.
-//! A pixel has the largest coverage of all pieces, which is that of the nearest: so it does not matter into how many pieces a line is
-//! cut, nor how often it is drawn, and ends and corners are round.
+//! Of a pixel whose centre is at a distance d from the middle of a line of width w, the line covers
+//! the overlap of a box of one pixel with a box of width w: `(w + 1) / 2 - d`, from 0 to the
+//! smaller of 1 and w. Its integral across the line is w, whatever the width. A pixel has the
+//! largest coverage of all pieces, which is that of the nearest: so it does not matter into how
+//! many pieces a line is cut, nor how often it is drawn, and ends and corners are round.
 
 use std::cmp::Ordering;
 use std::ops::Range;
@@ -69,8 +70,8 @@ impl Lines {
         Self { highest: heights.fold(0.0, f64::max), pieces, width }
     }
 
-    /// The pieces of the lines, from the top to the bottom, in pixels from the picture's left and upper edges, as
-    /// [`Camera::project`](crate::camera::Camera::project) has them.
+    /// The pieces of the lines, from the top to the bottom, in pixels from the picture's left and
+    /// upper edges, as [`Camera::project`](crate::camera::Camera::project) has them.
     pub fn pieces(&self) -> &[[DVec2; 2]] {
         &self.pieces
     }
@@ -80,8 +81,8 @@ impl Lines {
         0.5 * (self.width + 1.0)
     }
 
-    /// The coverage of the pixels of some rows and columns, from 0 to 1, row by row. They must be among those that the lines were made
-    /// for.
+    /// The coverage of the pixels of some rows and columns, from 0 to 1, row by row. They must be
+    /// among those that the lines were made for.
     ///
     /// # Errors
     ///
@@ -170,8 +171,8 @@ mod tests {
                 let longer = sum(line(10.0, 50.0), width) - sum(line(10.0, 30.0), width);
                 assert!((longer - 20.0 * width).abs() < 1e-4, "{width} {y} {longer}");
             }
-            // A slanted line meets the pixels at all distances: its sum is the integral but for what a grid makes of kinks, which
-            // have slopes of 1 and are crossed at 20 places.
+            // A slanted line meets the pixels at all distances: its sum is the integral but for
+            // what a grid makes of kinks, which have slopes of 1 and are crossed at 20 places.
             let line =
                 |x1: f64| vec![[DVec2::new(10.0, 10.0), DVec2::new(x1, 10.0 + 0.7 * (x1 - 10.0))]];
             let longer = sum(line(50.0), width) - sum(line(30.0), width);

@@ -41,7 +41,8 @@ impl CurveKind {
 pub(super) enum Path {
     /// A segment from a point to another.
     Straight([DVec3; 2]),
-    /// An eighth of an ellipse around a middle, the eighths numbered from the first axis towards the second.
+    /// An eighth of an ellipse around a middle, the eighths numbered from the first axis towards
+    /// the second.
     Eighth { middle: DVec3, axes: [DVec3; 2], number: u8 },
 }
 
@@ -63,7 +64,8 @@ impl Path {
     }
 }
 
-/// All lines of a shape, for an eye in object space. Meshes have theirs elsewhere, and planes have none.
+/// All lines of a shape, for an eye in object space. Meshes have theirs elsewhere, and planes have
+/// none.
 pub(super) fn curves(shape: &Shape, eye: Eye) -> Vec<Curve> {
     match shape {
         Shape::Mesh(_) | Shape::Plane(_) => Vec::new(),
@@ -91,8 +93,8 @@ fn circle(
     })
 }
 
-/// The points whose tangent planes contain the eye: with the eye at a distance d from the center they are a circle, r^2 / d nearer to
-/// the eye than the center.
+/// The points whose tangent planes contain the eye: with the eye at a distance d from the center
+/// they are a circle, r^2 / d nearer to the eye than the center.
 fn of_sphere(sphere: &Sphere, eye: Eye) -> Vec<Curve> {
     let (center, radius) = (sphere.center(), sphere.radius());
     let toward = eye.from(center);
@@ -140,9 +142,10 @@ fn of_box(bounds: &Bounds) -> Vec<Curve> {
 
 /// The rims of both lids, and the lines of the side whose tangent planes contain the eye.
 ///
-/// With `e` from the bottom to the eye, of height z and length h across the axis, `r` the radius at the bottom and `s` its slope, the
-/// outward direction at an angle from that to the eye is that of such a line where h * cosine = r + s z. For an eye infinitely far away
-/// in a direction `e` it is where h * cosine = s z.
+/// With `e` from the bottom to the eye, of height z and length h across the axis, `r` the radius at
+/// the bottom and `s` its slope, the outward direction at an angle from that to the eye is that of
+/// such a line where h * cosine = r + s z. For an eye infinitely far away in a direction `e` it is
+/// where h * cosine = s z.
 fn of_cone(cone: &Cone, eye: Eye) -> Vec<Curve> {
     let (bottom, top) = (cone.bottom(), cone.top());
     let radii = [cone.bottom_radius(), cone.top_radius()];
@@ -204,7 +207,8 @@ mod tests {
         shapes
     }
 
-    /// Rays from the eye to points of contours are tangents: a bit farther out they miss, a bit farther in they hit.
+    /// Rays from the eye to points of contours are tangents: a bit farther out they miss, a bit
+    /// farther in they hit.
     #[test]
     fn contours_are_where_the_eye_sees_past() {
         let mut contours = 0;

@@ -75,7 +75,8 @@ impl<'a> View<'a> {
         self.grid.is_some()
     }
 
-    /// The width of the picture where its left and right edges are the same directions, as in a panorama all around.
+    /// The width of the picture where its left and right edges are the same directions, as in a
+    /// panorama all around.
     pub(super) fn period(&self) -> Option<f64> {
         let fov = match self.camera.lens() {
             Lens::Equirectangular(lens) => lens.horizontal_fov,
@@ -93,7 +94,8 @@ impl<'a> View<'a> {
         Some([depth, f64::from(u8::from(grid.starts_on_viewplane))])
     }
 
-    /// The position of a point in the picture; `None` where it is behind the start of the camera's rays or the lens does not see it.
+    /// The position of a point in the picture; `None` where it is behind the start of the camera's
+    /// rays or the lens does not see it.
     pub(super) fn pixel(&self, point: DVec3) -> Option<DVec2> {
         let is_ahead = |[depth, start]: [f64; 2]| depth > start;
         let is_seen = self.depth(point).is_none_or(is_ahead);

@@ -38,7 +38,8 @@ impl Instance<'_> {
             let is_drawn = !found.common(edges.kinds).is_empty();
             let ends_surface = found.has(EdgeKind::Silhouette) || found.has(EdgeKind::Boundary);
             let may_be_outline = ends_surface && edges.kinds.has(EdgeKind::Object);
-            // There are at most three for each triangle that an identifier names, each with two triangles or alone.
+            // There are at most three for each triangle that an identifier names, each with two
+            // triangles or alone.
             let edge = u32::try_from(number).ok()?;
             (is_drawn || may_be_outline).then_some(Chosen { edge, is_outline: !is_drawn })
         };
@@ -95,7 +96,8 @@ impl Instance<'_> {
         self.catalog.material_of(self.number, self.object, triangle)
     }
 
-    /// Whether all triangles at an edge are cut out by their materials at a share of the way along it.
+    /// Whether all triangles at an edge are cut out by their materials at a share of the way along
+    /// it.
     pub(super) fn is_cut_out(&self, edge: &MeshEdge, share: f64) -> bool {
         let mut sides = edge.sides.iter().flatten();
         self.object.has_cutouts()

@@ -1,13 +1,14 @@
 //! Lines along edges, drawn over pictures. They are found on surfaces, not in pixels.
 //!
-//! 1. Find the edges of every object that are drawn: of a mesh from its triangles (`table.rs`, `mesh.rs`), of other shapes in closed
-//!    form (`curves.rs`).
+//! 1. Find the edges of every object that are drawn: of a mesh from its triangles (`table.rs`,
+//!    `mesh.rs`), of other shapes in closed form (`curves.rs`).
 //! 2. Cut them into pieces of half a pixel (`pieces.rs`).
 //! 3. Trace a ray from each piece to the eye to find out whether it is occluded (`sight.rs`).
 //! 4. Compute how much of each pixel the lines cover (`coverage.rs`).
 //!
-//! Step 1 is that of Markosian and others, "Real-time nonphotorealistic rendering", SIGGRAPH 1997, but deterministic: it looks at all
-//! edges. Step 3 is from Appel, "The notion of quantitative invisibility and the machine rendering of solids", ACM 1967.
+//! Step 1 is that of Markosian and others, "Real-time nonphotorealistic rendering", SIGGRAPH 1997,
+//! but deterministic: it looks at all edges. Step 3 is from Appel, "The notion of quantitative
+//! invisibility and the machine rendering of solids", ACM 1967.
 //!
 //! Where two objects intersect there is no line: neither has an edge there.
 
@@ -57,13 +58,14 @@ pub struct Subject<'a> {
 summary!(Subject<'_>, "Subject", |it| "scene": it.scene, "camera": it.camera, "cull": it.cull);
 
 impl Lines {
-    /// The lines for some rows and columns of the picture. Their coverage of a pixel does not depend on which rows and columns these
-    /// are.
+    /// The lines for some rows and columns of the picture. Their coverage of a pixel does not
+    /// depend on which rows and columns these are.
     ///
     /// # Errors
     ///
-    /// The errors of [`Edges::check`], [`Error::Limit`](crate::error::Error::Limit) when there is not enough memory, and
-    /// [`Error::Interrupted`](crate::error::Error::Interrupted) when `watch` stops it.
+    /// The errors of [`Edges::check`], [`Error::Limit`](crate::error::Error::Limit) when there is
+    /// not enough memory, and [`Error::Interrupted`](crate::error::Error::Interrupted) when `watch`
+    /// stops it.
     pub fn new(
         subject: &Subject<'_>,
         edges: &Edges,
@@ -114,7 +116,8 @@ fn by_mesh(objects: &[Object]) -> Vec<usize> {
     let may_be_seen = |object: &Object| !object.is_hidden() && !object.is_out_of_range();
     let mut numbers: Vec<usize> =
         (0..objects.len()).filter(|&number| may_be_seen(&objects[number])).collect();
-    // This order depends on where meshes are in memory, but nothing that is made: pieces are sorted at the end.
+    // This order depends on where meshes are in memory, but nothing that is made: pieces are sorted
+    // at the end.
     numbers.sort_by_key(|&number| objects[number].mesh().map(Arc::as_ptr));
     numbers
 }

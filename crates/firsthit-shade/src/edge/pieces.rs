@@ -1,12 +1,14 @@
 //! Lines in space, cut into short pieces of the picture.
 //!
-//! A line is halved until a piece is half a pixel long at most, or out of the picture. So pieces depend on the line and the camera
-//! alone, and their middles are at shares of the line that float64 holds exactly. Where the picture of a line is torn, as at the edge of
-//! a panorama, the pieces beside the tear end within 2^-40 of the line.
+//! A line is halved until a piece is half a pixel long at most, or out of the picture. So pieces
+//! depend on the line and the camera alone, and their middles are at shares of the line that
+//! float64 holds exactly. Where the picture of a line is torn, as at the edge of a panorama, the
+//! pieces beside the tear end within 2^-40 of the line.
 //!
-//! Where straight lines are bent in the picture, or lines are bent themselves, a part may enter the picture though both its ends are
-//! outside, or not seen at all. So only parts that span a small angle at the eye are given up: halves alone would miss the middle of a
-//! line that is long compared with its distance.
+//! Where straight lines are bent in the picture, or lines are bent themselves, a part may enter the
+//! picture though both its ends are outside, or not seen at all. So only parts that span a small
+//! angle at the eye are given up: halves alone would miss the middle of a line that is long
+//! compared with its distance.
 
 use super::eye::{Eye, View};
 use crate::geometry::{DVec2, DVec3, unit};
@@ -20,12 +22,12 @@ const MOST_HALVES: u32 = 40;
 /// The number of halvings of a line that is not straight in space in any case: it may turn back.
 const BENT_HALVES: u32 = 5;
 
-/// The cosine of the angle at the eye above which a part is halved in any case: some 2.6 degrees. Over them an arc rises a seventieth of a
-/// degree above its chord.
+/// The cosine of the angle at the eye above which a part is halved in any case: some 2.6 degrees.
+/// Over them an arc rises a seventieth of a degree above its chord.
 const NARROW: f64 = 0.999;
 
-/// Coordinates in the picture are clamped to this, in pixels, so that a box around two of them stays finite. An infinite box would never
-/// be found to be beside the picture.
+/// Coordinates in the picture are clamped to this, in pixels, so that a box around two of them
+/// stays finite. An infinite box would never be found to be beside the picture.
 const FARTHEST: f64 = 1e18;
 
 /// A piece of a line.
@@ -105,7 +107,8 @@ impl<F: Fn(f64) -> DVec3> Cutter<'_, F> {
         match (from.pixel, to.pixel) {
             (Some(a), Some(b)) => {
                 let length = a.distance(b);
-                // Two directions near each other have nothing but directions near them between them.
+                // Two directions near each other have nothing but directions near them between
+                // them.
                 if length <= LONGEST && (self.is_straight || is_settled) {
                     if self.window.holds([a, b], 0.0) {
                         let ends = [a, b];

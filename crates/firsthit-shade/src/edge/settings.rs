@@ -125,7 +125,8 @@ pub struct Dash {
 }
 
 impl Dash {
-    /// The shortest dash or gap, in pixels. Shorter ones would look like a fainter line, and take longer to draw the shorter they are.
+    /// The shortest dash or gap, in pixels. Shorter ones would look like a fainter line, and take
+    /// longer to draw the shorter they are.
     pub const SHORTEST: f64 = 0.1;
 }
 
@@ -149,9 +150,11 @@ impl Default for Dash {
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Edges {
-    /// Line width in pixels. Lines narrower than a pixel are fainter, for they cover that much less of it.
+    /// Line width in pixels. Lines narrower than a pixel are fainter, for they cover that much less
+    /// of it.
     pub width: f64,
-    /// The angle between the normals of two adjacent faces above which their edge is a crease, in degrees.
+    /// The angle between the normals of two adjacent faces above which their edge is a crease, in
+    /// degrees.
     pub angle: f64,
     /// The kinds of edges that are drawn.
     pub kinds: EdgeKinds,
@@ -182,8 +185,9 @@ impl Edges {
     ///
     /// # Errors
     ///
-    /// [`Error::Argument`] for a width that is not above 0 and up to [`Edges::WIDEST`], an angle that is not from 0 to 180 degrees, no
-    /// kinds, a dash or gap that is shorter than [`Dash::SHORTEST`] or not finite, and a colour that is not finite.
+    /// [`Error::Argument`] for a width that is not above 0 and up to [`Edges::WIDEST`], an angle
+    /// that is not from 0 to 180 degrees, no kinds, a dash or gap that is shorter than
+    /// [`Dash::SHORTEST`] or not finite, and a colour that is not finite.
     pub fn check(&self) -> Result<()> {
         let fine = self.width > 0.0 && self.width <= Self::WIDEST;
         require("edges", "a width above 0 and up to 1000 pixels", fine, self.width)?;

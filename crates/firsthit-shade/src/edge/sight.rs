@@ -1,8 +1,9 @@
 //! Finds the pieces of lines that are visible.
 //!
-//! The ray of a piece goes from its middle, a point of the surface, to the eye ([`Departure`]). Whether something is between the two is
-//! decided without rounding for all meshes with the transform of the line's own: rounding makes neither the triangles at the edge nor
-//! what touches it there occlude it, nor does it lose anything in front of it, however near.
+//! The ray of a piece goes from its middle, a point of the surface, to the eye ([`Departure`]).
+//! Whether something is between the two is decided without rounding for all meshes with the
+//! transform of the line's own: rounding makes neither the triangles at the edge nor what touches
+//! it there occlude it, nor does it lose anything in front of it, however near.
 
 use std::mem::take;
 
@@ -130,7 +131,8 @@ impl<'a> Sight<'a> {
         Ok(())
     }
 
-    /// Whether each piece is drawn for what is behind it: an outline needs another object or nothing.
+    /// Whether each piece is drawn for what is behind it: an outline needs another object or
+    /// nothing.
     fn outlines(&self, waiting: &[Waiting], watch: &dyn Watch) -> Result<Vec<bool>> {
         let mut is_wanted = vec![true; waiting.len()];
         if !waiting.iter().any(|piece| piece.look.is_outline) {
@@ -158,7 +160,8 @@ fn filters(waiting: &[Waiting], cull: Option<Side>) -> Vec<RayFilter> {
     waiting.iter().map(filter).collect()
 }
 
-/// The parts of a piece that are within dashes. It begins at a distance of `along` from the start of its line.
+/// The parts of a piece that are within dashes. It begins at a distance of `along` from the start
+/// of its line.
 fn dashes(
     [from, to]: [DVec2; 2],
     along: f64,

@@ -48,7 +48,8 @@ impl Strokes<'_> {
         Candidate { ends, look: matters.then(look).flatten() }
     }
 
-    /// A piece as it is seen within the part from across the seam of a panorama: it may be wide enough to reach beyond.
+    /// A piece as it is seen within the part from across the seam of a panorama: it may be wide
+    /// enough to reach beyond.
     pub(super) fn across_seam(&self, ends: [DVec2; 2]) -> impl Iterator<Item = [DVec2; 2]> {
         let periods = self.view.period().into_iter();
         let moves = periods.flat_map(|period| [-period, period]);
@@ -129,7 +130,8 @@ impl Strokes<'_> {
         candidates
     }
 
-    /// The look of a point of an edge, `share` of the way along it. The triangles at the edge do not occlude it.
+    /// The look of a point of an edge, `share` of the way along it. The triangles at the edge do
+    /// not occlude it.
     fn look_at_edge(
         &self,
         of: &Instance<'_>,
@@ -191,7 +193,8 @@ impl Strokes<'_> {
         Ok(())
     }
 
-    /// The look of a point of a line on a shape. The point and the direction `toward` the eye are in object space.
+    /// The look of a point of a line on a shape. The point and the direction `toward` the eye are
+    /// in object space.
     #[expect(clippy::too_many_lines, reason = "one decision after the other")]
     fn look_at_curve(
         &self,
@@ -235,7 +238,8 @@ impl Strokes<'_> {
         if !(is_drawn || ends_surface && kinds.has(EdgeKind::Object)) {
             return None;
         }
-        // A solid does not occlude a point of it where one of its primitives faces the eye, and does where none does.
+        // A solid does not occlude a point of it where one of its primitives faces the eye, and
+        // does where none does.
         let by_facing = |&&a: &&i32, &&b: &&i32| faces(a).total_cmp(&faces(b));
         let is_shown = primitives.iter().any(|&primitive| faces(primitive) > 0.0);
         let &primitive = if is_shown {

@@ -1,9 +1,11 @@
 //! The edges of a mesh, with the triangles at them.
 //!
-//! 1. Vertices in one place are one. A triangle with two corners in one place, or with the corners of an earlier one, does not count.
+//! 1. Vertices in one place are one. A triangle with two corners in one place, or with the corners
+//!    of an earlier one, does not count.
 //! 2. Sort the sides of triangles by their ends: those of one edge are side by side.
-//! 3. A triangle that is thinner than the rounding of its coordinates has no meaningful normal. Meshes of CAD programs have such slivers
-//!    along seams. The triangle across its longest side is the neighbour at its other two, and its longest side is not an edge.
+//! 3. A triangle that is thinner than the rounding of its coordinates has no meaningful normal.
+//!    Meshes of CAD programs have such slivers along seams. The triangle across its longest side is
+//!    the neighbour at its other two, and its longest side is not an edge.
 
 use rayon::prelude::*;
 
@@ -13,7 +15,8 @@ use crate::memory;
 use crate::parallel;
 use crate::shape::{Mesh, Positions, Welded};
 
-/// The memory that a triangle needs at most while the table is made, in bytes: its places, three sides and three edges.
+/// The memory that a triangle needs at most while the table is made, in bytes: its places, three
+/// sides and three edges.
 const TRIANGLE_BYTES: usize =
     3 * size_of::<[u32; 3]>() + 3 * size_of::<Side>() + 3 * size_of::<MeshEdge>();
 
@@ -33,8 +36,8 @@ pub(super) struct Side {
 }
 
 impl Side {
-    /// The weights of the triangle's corners 1 and 2 at a share of the way from the lower place to the higher one. Exact, where the
-    /// share is a multiple of 2^-52.
+    /// The weights of the triangle's corners 1 and 2 at a share of the way from the lower place to
+    /// the higher one. Exact, where the share is a multiple of 2^-52.
     pub(super) fn weights(&self, share: f64) -> DVec2 {
         let share = if self.is_forward { share } else { 1.0 - share };
         match self.corner {

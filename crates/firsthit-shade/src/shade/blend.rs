@@ -1,10 +1,13 @@
-//! Translucent surfaces: those whose alpha says how much of what is behind them they hide (glTF's alpha mode BLEND).
+//! Translucent surfaces: those whose alpha says how much of what is behind them they hide (glTF's
+//! alpha mode BLEND).
 //!
 //! A ray goes through them in their exact order, so nothing has to be sorted.
 //!
-//! - What the camera sees is composed from the front to the back (Porter and Duff, "Compositing Digital Images", SIGGRAPH 1984).
+//! - What the camera sees is composed from the front to the back (Porter and Duff, "Compositing
+//!   Digital Images", SIGGRAPH 1984).
 //! - Light that goes through loses the share that each surface hides.
-//! - A ray that a surface draws, in a path, goes through by chance, as often as the surface lets light through.
+//! - A ray that a surface draws, in a path, goes through by chance, as often as the surface lets
+//!   light through.
 
 use super::found::first_hits;
 use super::{Samples, Shading, stream};
@@ -33,7 +36,8 @@ struct TransmittedRay {
     left: f64,
 }
 
-/// Composes what is seen through translucent surfaces: `colors` are those of the first surfaces, `coverage` is 1 for hits.
+/// Composes what is seen through translucent surfaces: `colors` are those of the first surfaces,
+/// `coverage` is 1 for hits.
 pub(super) fn compose(
     shading: &Shading<'_>,
     samples: &Samples<'_>,
@@ -123,7 +127,8 @@ pub(super) fn transmitted(shading: &Shading<'_>, rays: &[Ray], filters: &[RayFil
     shares
 }
 
-/// A ray that ends after `rest` lengths of its direction; at 1, so that what is at its end can be left out.
+/// A ray that ends after `rest` lengths of its direction; at 1, so that what is at its end can be
+/// left out.
 fn rescaled(ray: Ray, rest: f64) -> Ray {
     if rest < f64::INFINITY { Ray::new(ray.origin, rest * ray.direction).up_to(1.0) } else { ray }
 }

@@ -1,5 +1,5 @@
-//! Depth cueing: what is farther away fades (Foley, van Dam, Feiner and Hughes, "Computer Graphics: Principles and Practice", 1990,
-//! section 16.1).
+//! Depth cueing: what is farther away fades (Foley, van Dam, Feiner and Hughes, "Computer Graphics:
+//! Principles and Practice", 1990, section 16.1).
 
 use super::Points;
 use crate::geometry::Color;
@@ -11,7 +11,8 @@ pub(super) const COLOR: Color = match Background::NEUTRAL {
     _ => Color::ZERO,
 };
 
-/// Colours fade to another one, in proportion to how far a hit is between two distances from the start of its ray.
+/// Colours fade to another one, in proportion to how far a hit is between two distances from the
+/// start of its ray.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct DepthCue {
     /// The distance up to which colours are as they are.

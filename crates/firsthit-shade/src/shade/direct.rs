@@ -1,14 +1,17 @@
-//! Light that reaches surfaces without a detour: from lights, from surfaces that shine, and from the environment.
+//! Light that reaches surfaces without a detour: from lights, from surfaces that shine, and from
+//! the environment.
 //!
 //! For each sample of a pixel:
 //!
-//! 1. Sample a point of each light, one of the emissive surfaces, and a direction of the environment by its luminance. Ask whether
-//!    they are seen (`vertex.rs`).
-//! 2. Sample a direction by the surface's BSDF, and add all light that a ray meets there (`found.rs`). On a matte surface where nothing else
-//!    emits it is enough to ask whether the environment is seen there.
+//! 1. Sample a point of each light, one of the emissive surfaces, and a direction of the
+//!    environment by its luminance. Ask whether they are seen (`vertex.rs`).
+//! 2. Sample a direction by the surface's BSDF, and add all light that a ray meets there
+//!    (`found.rs`). On a matte surface where nothing else emits it is enough to ask whether the
+//!    environment is seen there.
 //!
-//! Where both may find the same light, they are weighted (multiple importance sampling). Without shadows only light sampling counts for
-//! lights, because BSDF-sampled rays end on things as always; mirrors show lights all the same.
+//! Where both may find the same light, they are weighted (multiple importance sampling). Without
+//! shadows only light sampling counts for lights, because BSDF-sampled rays end on things as
+//! always; mirrors show lights all the same.
 
 use super::blend::stochastic_hits;
 use super::found::{BsdfRay, light_found};
@@ -36,7 +39,8 @@ pub(super) fn shade(
     colors: &mut [Color],
 ) {
     let emitters = shading.scene.emitters();
-    // Surfaces that emit are found by BSDF-sampled rays, without shadows those alone that are not drawn.
+    // Surfaces that emit are found by BSDF-sampled rays, without shadows those alone that are not
+    // drawn.
     let may_find_emitters = settings.shadows && emitters.has_any() || emitters.has_others();
     let mut rows = Vec::with_capacity(points.surfaces.len().div_ceil(ROW));
     let mut vertices = Vec::new();

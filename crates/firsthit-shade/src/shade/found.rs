@@ -27,7 +27,8 @@ pub(super) struct BsdfRay<'a> {
     /// Whether the ray comes from the camera by mirrors and clear matter alone, so that it sees the
     /// camera's background.
     pub(super) is_specular_path: bool,
-    /// Whether sampled lights count too. With a ray of a single direction, as in a mirror, they always do.
+    /// Whether sampled lights count too. With a ray of a single direction, as in a mirror, they
+    /// always do.
     pub(super) finds_lights: bool,
     /// Surfaces farther away than this do not hide the environment, in scene units.
     pub(super) reach: f64,
@@ -37,7 +38,8 @@ pub(super) struct BsdfRay<'a> {
     pub(super) absorption: Color,
 }
 
-/// The radiance of all light that a ray meets before a surface hides it, weighted against light sampling (multiple importance sampling).
+/// The radiance of all light that a ray meets before a surface hides it, weighted against light
+/// sampling (multiple importance sampling).
 pub(super) fn light_found(
     shading: &Shading<'_>,
     bsdf_ray: &BsdfRay<'_>,

@@ -1,5 +1,5 @@
-//! Translucent surfaces: all that are on the way of a ray, in their exact order, the front ones over those behind (Porter and Duff,
-//! "Compositing Digital Images", SIGGRAPH 1984).
+//! Translucent surfaces: all that are on the way of a ray, in their exact order, the front ones
+//! over those behind (Porter and Duff, "Compositing Digital Images", SIGGRAPH 1984).
 
 use super::crossings::Crossings;
 use super::depth_cue;

@@ -17,15 +17,15 @@ use crate::geometry::{
 use crate::sampling::Draws;
 use crate::scene::{Environment, EnvironmentKind, Light, LightSample, Scene};
 
-/// A shadow catcher: a level plane of which only shadows are seen. A ray that meets nothing else sees the background through it,
-/// darkened by the share of light that things keep from it.
+/// A shadow catcher: a level plane of which only shadows are seen. A ray that meets nothing else
+/// sees the background through it, darkened by the share of light that things keep from it.
 ///
-/// A sample may be darkened by more than all, and only the mean is right. Pictures have 0 where a mean is below 0 by noise, and an alpha of
-/// at most 1.
+/// A sample may be darkened by more than all, and only the mean is right. Pictures have 0 where a
+/// mean is below 0 by noise, and an alpha of at most 1.
 ///
-/// It is no object: no other ray meets it, and finding what the camera's rays hit takes no longer. Shading does: for each ray that meets
-/// nothing else and crosses it, rays go to every light and to the sky, and a picture takes as many samples by default as with a shader
-/// that draws numbers.
+/// It is no object: no other ray meets it, and finding what the camera's rays hit takes no longer.
+/// Shading does: for each ray that meets nothing else and crosses it, rays go to every light and to
+/// the sky, and a picture takes as many samples by default as with a shader that draws numbers.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Ground {
     /// A point of it.
@@ -93,11 +93,13 @@ struct Point {
     draws: Draws,
 }
 
-/// The light at points of the ground: how much would be there without anything, and how much of that is missing.
+/// The light at points of the ground: how much would be there without anything, and how much of
+/// that is missing.
 ///
-/// Missing light is sampled: it is the light of those rays towards lights that something blocks. The full light is known, or estimated
-/// from points that are the same for all samples of a pixel. So the mean over samples of their ratio is the share that is missing,
-/// although a single sample may say more than 1.
+/// Missing light is sampled: it is the light of those rays towards lights that something blocks.
+/// The full light is known, or estimated from points that are the same for all samples of a pixel.
+/// So the mean over samples of their ratio is the share that is missing, although a single sample
+/// may say more than 1.
 struct Shadows {
     missing: Vec<Color>,
     full: Vec<Color>,
@@ -171,7 +173,8 @@ impl Shadows {
                 self.full[index] += known;
                 continue;
             }
-            // Those of the pixel's first samples, for every sample: so their error does not depend on what the sample finds.
+            // Those of the pixel's first samples, for every sample: so their error does not depend
+            // on what the sample finds.
             let taken = (0..DRAWS_OF_EMITTERS).filter_map(|sample| {
                 let mut draws = point.draws.of_sample(sample).split(stream::EMITTERS);
                 emitters.sample(shading.scene, point.position, draws.three())
@@ -182,7 +185,8 @@ impl Shadows {
         rays.add_to(&mut self.missing, shading);
     }
 
-    /// Two ways to find what of an environment is hidden: by the cosine, and by its table if it has one.
+    /// Two ways to find what of an environment is hidden: by the cosine, and by its table if it has
+    /// one.
     fn add_environment(
         &mut self,
         shading: &Shading<'_>,
@@ -242,7 +246,8 @@ impl BlockerBounds {
         Self { bounds, center: bounds.centre(), radius: 0.5 * bounds.size().length() }
     }
 
-    /// Whether a ray may meet what is in the box. Most rays that miss the box miss the ball too, which takes no division to see.
+    /// Whether a ray may meet what is in the box. Most rays that miss the box miss the ball too,
+    /// which takes no division to see.
     fn may_be_met(&self, ray: &Ray) -> bool {
         !self.is_passed_by(ray.origin, ray.direction) && self.bounds.may_be_met(ray, 0.0)
     }
@@ -284,8 +289,8 @@ impl Cone {
         let sine = self.blocking.radius / distance;
         let cosine = (1.0 - sine * sine).sqrt();
         let [sun_sine, sun_cosine] = self.half;
-        // The ball and the sun touch where the angle between them is the sum of theirs, less than half a turn. Written so that a NaN, as
-        // within the ball, fails.
+        // The ball and the sun touch where the angle between them is the sum of theirs, less than
+        // half a turn. Written so that a NaN, as within the ball, fails.
         let touching = cosine * sun_cosine - sine * sun_sine;
         self.towards.dot(way) < (touching - 1e-9) * distance && cosine >= 0.0
     }
@@ -296,8 +301,9 @@ fn taken_of(arriving: &LightSample, up: DVec3) -> Color {
     cosine(arriving.towards, up) * arriving.light
 }
 
-/// The side of the grid of a light's points over which its light is summed: more where a light is seen large, and its points are at different
-/// distances. What the ground takes is off by less than a hundredth.
+/// The side of the grid of a light's points over which its light is summed: more where a light is
+/// seen large, and its points are at different distances. What the ground takes is off by less than
+/// a hundredth.
 fn side(light: &Light, point: &Point) -> u32 {
     let middle = light.sample(point.position, DVec2::splat(0.5));
     let solid_angle = middle.and_then(|middle| middle.pdf).map_or(0.0, f64::recip);
@@ -312,8 +318,8 @@ fn side(light: &Light, point: &Point) -> u32 {
 /// occlusion.
 const DRAWS_OF_EMITTERS: u32 = 32;
 
-/// Rays towards light, and what is missing where something blocks them: what they would bring is taken from the sum, and what arrives is
-/// given back.
+/// Rays towards light, and what is missing where something blocks them: what they would bring is
+/// taken from the sum, and what arrives is given back.
 struct BlockedRays {
     rays: ShadowRays,
     brought: Vec<(usize, Color)>,

@@ -1,4 +1,5 @@
-//! Matte surfaces: the light that falls on them, by the cosine of its angle (Lambert, "Photometria", 1760).
+//! Matte surfaces: the light that falls on them, by the cosine of its angle (Lambert,
+//! "Photometria", 1760).
 
 use super::depth_cue::{self, DepthCue};
 use super::lit::{HardLighting, Incoming, Lit, Reflection};

@@ -9,12 +9,14 @@ use crate::scene::{DirectionalLight, Environment, EnvironmentKind, Light, form_f
 named! {
     /// A set of lights that goes with the camera.
     ///
-    /// All but `shoulder` are exposed so that a white matte surface that faces the first light, or without one faces upwards, is 0.8.
+    /// All but `shoulder` are exposed so that a white matte surface that faces the first light, or
+    /// without one faces upwards, is 0.8.
     pub enum LightRig, "light":
     /// A soft key light from the upper left, a sky, and a weak light on the edges from behind.
     #[default]
     "auto" => Auto;
-    /// A photographer's three lights: key, fill and rim, all soft, with little light from all around.
+    /// A photographer's three lights: key, fill and rim, all soft, with little light from all
+    /// around.
     "studio" => Studio;
     /// A bright sky without a sun.
     "overcast" => Overcast;
@@ -35,7 +37,8 @@ pub struct Lighting {
     pub environment: Option<Arc<Environment>>,
 }
 
-/// A light of a rig: where it comes from, in the camera's frame (right, up, back), its share of white, and its angle.
+/// A light of a rig: where it comes from, in the camera's frame (right, up, back), its share of
+/// white, and its angle.
 struct Lamp {
     from: [f64; 3],
     share: f64,
@@ -82,7 +85,8 @@ impl LightRig {
     }
 }
 
-/// The light of pictures that have none of their own: parallel, from behind the camera's left shoulder.
+/// The light of pictures that have none of their own: parallel, from behind the camera's left
+/// shoulder.
 fn shoulder(camera: &Camera) -> Lighting {
     let light = DirectionalLight {
         direction: camera.aim() + 0.45 * camera.right() - 0.6 * camera.upwards(),
@@ -156,7 +160,8 @@ mod tests {
     use super::*;
     use crate::sampling::Draws;
 
-    /// A white matte surface takes the mean over the light's directions of light and cosine, and of a sky the mean over cosines.
+    /// A white matte surface takes the mean over the light's directions of light and cosine, and of
+    /// a sky the mean over cosines.
     #[test]
     fn a_white_surface_that_faces_the_key_is_four_fifths() {
         for (aim, up) in [(DVec3::Y, DVec3::Z), (DVec3::new(1.0, -2.0, -3.0), DVec3::Y)] {

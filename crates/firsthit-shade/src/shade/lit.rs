@@ -1,5 +1,6 @@
-//! Direct light with hard shadows: for each point and each light, one shadow ray tells whether the point is lit. The shader says how a
-//! surface reflects light. Points go row by row, as in `matte.rs`.
+//! Direct light with hard shadows: for each point and each light, one shadow ray tells whether the
+//! point is lit. The shader says how a surface reflects light. Points go row by row, as in
+//! `matte.rs`.
 
 use super::rows::Arriving;
 use super::shadow::ShadowRays;
@@ -154,7 +155,8 @@ impl Lit {
         -unit(self.direction)
     }
 
-    /// Light of a sample at this point, and whether it comes from the side that is seen. `towards` is its direction, of length one.
+    /// Light of a sample at this point, and whether it comes from the side that is seen. `towards`
+    /// is its direction, of length one.
     #[inline(always)]
     fn incoming(&self, sample: &LightSample, towards: DVec3) -> (Incoming, bool) {
         let cosine = towards.dot(self.normal);

@@ -1,5 +1,6 @@
-//! A lit sphere as the light: a colour for each normal in the frame of who looks (Sloan, Martin, Gooch and Gooch, "The Lit Sphere: A
-//! Model for Capturing NPR Shading from Art", Graphics Interface 2001). The sphere is not a picture, but a formula.
+//! A lit sphere as the light: a colour for each normal in the frame of who looks (Sloan, Martin,
+//! Gooch and Gooch, "The Lit Sphere: A Model for Capturing NPR Shading from Art", Graphics
+//! Interface 2001). The sphere is not a picture, but a formula.
 
 use super::depth_cue::{self, DepthCue};
 use super::{Points, Shading, seen_normal};
@@ -53,8 +54,9 @@ pub(super) fn shade(
     cue.fade(points, colors);
 }
 
-/// The frame of a ray, in a world with that direction upwards: right, up and back. Each ray has its own, so that a sphere looks the same
-/// wherever it is in the picture. A ray straight up or down has some frame.
+/// The frame of a ray, in a world with that direction upwards: right, up and back. Each ray has its
+/// own, so that a sphere looks the same wherever it is in the picture. A ray straight up or down
+/// has some frame.
 fn frame(direction: DVec3, upwards: DVec3) -> [DVec3; 3] {
     let back = -unit(direction);
     let right = unit(upwards.cross(back));
@@ -67,10 +69,11 @@ fn frame(direction: DVec3, upwards: DVec3) -> [DVec3; 3] {
 }
 
 impl Matcap {
-    /// The colour of a surface with a normal of length one in the frame of the ray. With the light's direction l and the direction h
-    /// half way between l and back:
+    /// The colour of a surface with a normal of length one in the frame of the ray. With the
+    /// light's direction l and the direction h half way between l and back:
     ///
-    /// `((dark + (bright - dark) w^2) color + gloss max(0, n . h)^20) (1 - rim (1 - max(0, n_z))^2)`, where `w = (1 + n . l) / 2`
+    /// `((dark + (bright - dark) w^2) color + gloss max(0, n . h)^20) (1 - rim (1 - max(0,
+    /// n_z))^2)`, where `w = (1 + n . l) / 2`
     fn painted(&self, color: Color, normal: DVec3) -> Color {
         let light = DVec3::new(-0.48, 0.64, 0.6);
         let halfway = unit(light + DVec3::Z);
@@ -98,7 +101,8 @@ mod tests {
         assert_eq!(frame(DVec3::Y, DVec3::Z)[0], DVec3::X);
     }
 
-    /// The light's direction, (-0.48, 0.64, 0.6), has length one, and half way to back is its sum with (0, 0, 1) over sqrt(3.2).
+    /// The light's direction, (-0.48, 0.64, 0.6), has length one, and half way to back is its sum
+    /// with (0, 0, 1) over sqrt(3.2).
     #[test]
     fn the_formula_is_the_one_that_is_written_down() {
         let matcap = Matcap::default();

@@ -1,7 +1,8 @@
 //! Matte surfaces, row by row: each step of their direct light is done for many points at a time.
 //!
-//! A step is a loop in a kernel, so it is compiled for each instruction set, and the compiler makes lanes of it. The loop calls the functions
-//! that shade a single point, so both come to the same bits.
+//! A step is a loop in a kernel, so it is compiled for each instruction set, and the compiler makes
+//! lanes of it. The loop calls the functions that shade a single point, so both come to the same
+//! bits.
 
 use super::rows::{Arriving, DrawnLight, LightSamples, ShadingPoints, Sky};
 use super::shadow::ShadowRays;
@@ -197,7 +198,8 @@ impl MatteRow {
         }
     }
 
-    /// Adds rays in directions that the surfaces draw, each with what the environment brings from there if it is seen.
+    /// Adds rays in directions that the surfaces draw, each with what the environment brings from
+    /// there if it is seen.
     pub(super) fn push_scattered(
         &self,
         set: InstructionSet,
@@ -312,7 +314,8 @@ mod tests {
         DVec3::new(x, y, z) - 0.5
     }
 
-    /// Points with smooth normals, a few of them seen from behind; some are weighted against BSDF-sampled rays, and the last row is not full.
+    /// Points with smooth normals, a few of them seen from behind; some are weighted against
+    /// BSDF-sampled rays, and the last row is not full.
     fn vertices() -> Vec<MatteVertex> {
         let mut draws = Draws::new(5, 2);
         let mut one = |k: usize| {

@@ -57,8 +57,8 @@ use crate::shoot::Cpu;
 /// assert_eq!(fog.shade(f64::INFINITY, DVec3::ZERO, DVec3::X, &Hit::MISS), Color::ZERO);
 /// ```
 pub trait Shade: Sync {
-    /// The linear colour of the ray `p + t * u_r` that met `o`. It is asked for misses too: there `t` is
-    /// infinity, `o.object` is -1, and the shader itself returns the background.
+    /// The linear colour of the ray `p + t * u_r` that met `o`. It is asked for misses too: there
+    /// `t` is infinity, `o.object` is -1, and the shader itself returns the background.
     fn shade(&self, t: f64, p: DVec3, u_r: DVec3, o: &Hit) -> Color;
 
     /// Shades many samples as [`shade`](Self::shade) does: a colour for each. A shader that shoots
@@ -73,8 +73,8 @@ pub trait Shade: Sync {
         }
     }
 
-    /// Whether misses are transparent, as with [`Background::Transparent`]. Colours then get a fourth number, the pixel's coverage,
-    /// and the shader must return black for misses.
+    /// Whether misses are transparent, as with [`Background::Transparent`]. Colours then get a
+    /// fourth number, the pixel's coverage, and the shader must return black for misses.
     fn is_transparent(&self) -> bool {
         false
     }
@@ -84,8 +84,8 @@ pub trait Shade: Sync {
         false
     }
 
-    /// Whether samples may be negative although no expected colour is, so that a negative mean can only be noise. Pictures then have 0 in
-    /// its place.
+    /// Whether samples may be negative although no expected colour is, so that a negative mean can
+    /// only be noise. Pictures then have 0 in its place.
     fn has_negative_noise(&self) -> bool {
         false
     }
@@ -120,8 +120,8 @@ pub struct Samples<'a> {
     pub rays: &'a [Ray],
     /// The hits, one for each ray.
     pub hits: &'a [Hit],
-    /// The pixels that they are of, counted row by row from the top of the whole picture, as many. With the sample's number they are
-    /// a seed for random numbers that depends on nothing else.
+    /// The pixels that they are of, counted row by row from the top of the whole picture, as many.
+    /// With the sample's number they are a seed for random numbers that depends on nothing else.
     pub pixels: &'a [u64],
     /// The number of the rays' sample in their pixels, from 0 on.
     pub sample: u32,
@@ -137,7 +137,8 @@ impl Samples<'_> {
     }
 }
 
-/// Streams of random numbers: each technique draws from its own (see [`Draws::split`]). The stream of a light comes from its settings.
+/// Streams of random numbers: each technique draws from its own (see [`Draws::split`]). The stream
+/// of a light comes from its settings.
 mod stream {
     pub(super) const EMITTERS: u64 = 1;
     pub(super) const ENVIRONMENT: u64 = 2;
@@ -151,8 +152,9 @@ struct Points<'a> {
     draws: Vec<Draws>,
 }
 
-/// Makes [`Shader`] and everything that depends on the list of shaders. A shader is a function of its settings, of what it works
-/// in, and of many hits: it sets a colour for each. `true` stands for one that draws numbers; a `translucent` one sets the coverage too.
+/// Makes [`Shader`] and everything that depends on the list of shaders. A shader is a function of
+/// its settings, of what it works in, and of many hits: it sets a colour for each. `true` stands
+/// for one that draws numbers; a `translucent` one sets the coverage too.
 macro_rules! shaders {
     ($($(#[doc = $about:literal])* $name:literal => $kind:ident($settings:ty), $is_random:expr, $shade:expr $(, $translucent:ident)?;)*) => {
         /// The shaders that come with the library, by name.
@@ -174,7 +176,8 @@ macro_rules! shaders {
         kinds!("shader", Shader { $($(#[doc = $about])* $name => $kind($settings);)* });
 
         impl Shader {
-            /// Whether it draws numbers: a pixel's samples then differ even where they see the same.
+            /// Whether it draws numbers: a pixel's samples then differ even where they see the
+            /// same.
             pub fn is_random(&self) -> bool {
                 match self { $(Self::$kind(_) => $is_random,)* }
             }
@@ -197,17 +200,21 @@ macro_rules! shaded {
 }
 
 shaders! {
-    /// Direct light from lights, emissive surfaces and the environment, with soft shadows; mirrors show only these.
+    /// Direct light from lights, emissive surfaces and the environment, with soft shadows; mirrors
+    /// show only these.
     "direct" => Direct(Direct), true, direct::shade;
-    /// Light by any number of surfaces: reflections, refractions, and light that surfaces throw at each other.
+    /// Light by any number of surfaces: reflections, refractions, and light that surfaces throw at
+    /// each other.
     "path" => Path(Path), true, path::shade;
-    /// Mirrors and clear matter without noise, to a depth; other surfaces by hard light and ambient light.
+    /// Mirrors and clear matter without noise, to a depth; other surfaces by hard light and ambient
+    /// light.
     "whitted" => Whitted(Whitted), false, whitted::shade;
     /// Matte, with ambient light from everywhere, which nothing blocks, and shadows that are hard.
     "lambert" => Lambert(Lambert), false, lambert::shade;
     /// Matte, with highlights by the angle to the mirrored light.
     "phong" => Phong(Phong), false, phong::shade;
-    /// Matte, with highlights by the angle between the normal and the direction half way between light and viewer.
+    /// Matte, with highlights by the angle between the normal and the direction half way between
+    /// light and viewer.
     "blinn-phong" => BlinnPhong(Phong), false, phong::shade_blinn;
     /// Lit by a sky over a ground, without shadows.
     "hemisphere" => Hemisphere(Hemisphere), false, hemisphere::shade;
@@ -231,8 +238,8 @@ impl Shader {
         !matches!(self, Self::AmbientOcclusion(_) | Self::Xray(_) | Self::Normal(()))
     }
 
-    /// Whether it looks at where the surfaces that were hit are and how they lie. `unlit` does not; `xray` and `ghost` look at crossings
-    /// of their own.
+    /// Whether it looks at where the surfaces that were hit are and how they lie. `unlit` does not;
+    /// `xray` and `ghost` look at crossings of their own.
     fn takes_geometry(&self) -> bool {
         !matches!(self, Self::Unlit(()) | Self::Xray(_) | Self::Ghost(_))
     }
@@ -289,7 +296,8 @@ fn normal_color(surface: &SurfaceInteraction<'_>) -> Color {
     if normal.is_nan() { Color::ZERO } else { 0.5 * normal + 0.5 }
 }
 
-/// The normal on the side that is seen: smooth, or the face's own. NaN for a triangle without an area.
+/// The normal on the side that is seen: smooth, or the face's own. NaN for a triangle without an
+/// area.
 #[inline]
 fn seen_normal(surface: &SurfaceInteraction<'_>, flat: bool) -> DVec3 {
     surface.side() * if flat { surface.normal() } else { surface.shading_normal() }
@@ -301,7 +309,8 @@ impl Shader {
         matches!(self, Self::Xray(_) | Self::Ghost(_))
     }
 
-    /// The lights of pictures that have none of their own: those that go best with this shader. `None` for one that looks at no light.
+    /// The lights of pictures that have none of their own: those that go best with this shader.
+    /// `None` for one that looks at no light.
     pub fn default_rig(&self) -> Option<LightRig> {
         match self {
             Self::Lambert(_) | Self::Phong(_) | Self::BlinnPhong(_) | Self::Ghost(_) => {
@@ -317,7 +326,8 @@ impl Shader {
         }
     }
 
-    /// The [`Shade`] that applies this shader to `scene`, before [`Background::NEUTRAL`]; see [`Shading::background`] for another.
+    /// The [`Shade`] that applies this shader to `scene`, before [`Background::NEUTRAL`]; see
+    /// [`Shading::background`] for another.
     ///
     /// ```
     /// use firsthit::{Color, DVec3, Object, Scene, Shade, Shader, Sphere, shoot};

@@ -1,5 +1,5 @@
-//! Ambient occlusion: how much of the sky a point sees (Zhukov, Iones and Kronin, "An Ambient Light Illumination Model", Rendering
-//! Techniques '98), by the cosine of its directions.
+//! Ambient occlusion: how much of the sky a point sees (Zhukov, Iones and Kronin, "An Ambient Light
+//! Illumination Model", Rendering Techniques '98), by the cosine of its directions.
 
 use super::rows::ShadingPoints;
 use super::shadow::ShadowRays;
@@ -17,7 +17,8 @@ settings! {
     }
 }
 
-/// One direction for each sample, cosine-weighted: white if it reaches the sky, black if something within `reach` is in the way.
+/// One direction for each sample, cosine-weighted: white if it reaches the sky, black if something
+/// within `reach` is in the way.
 pub(super) fn shade(
     settings: &AmbientOcclusion,
     shading: &Shading<'_>,

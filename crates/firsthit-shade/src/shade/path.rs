@@ -1,8 +1,11 @@
-//! Path tracing: light that reaches the camera by any number of surfaces (Kajiya, "The Rendering Equation", SIGGRAPH 1986).
+//! Path tracing: light that reaches the camera by any number of surfaces (Kajiya, "The Rendering
+//! Equation", SIGGRAPH 1986).
 //!
-//! 1. At each vertex of a path add the light of sampled lights (next-event estimation, `vertex.rs`).
-//! 2. Sample a direction by the surface's BSDF, and add the light that a ray meets there (`found.rs`). Where both may find the same
-//!    light, they are weighted (multiple importance sampling).
+//! 1. At each vertex of a path add the light of sampled lights (next-event estimation,
+//!    `vertex.rs`).
+//! 2. Sample a direction by the surface's BSDF, and add the light that a ray meets there
+//!    (`found.rs`). Where both may find the same light, they are weighted (multiple importance
+//!    sampling).
 //! 3. The surface that the ray meets is the next vertex. After some vertices a path continues by
 //!    chance only, the rarer the less it can bring, and counts as much more (Russian roulette; Arvo
 //!    and Kirk, "Particle Transport and Image Synthesis", SIGGRAPH 1990). What refraction takes of
@@ -120,8 +123,8 @@ fn drawn(vertex: &mut Vertex, roulette: bool) -> Option<Drawn> {
     })
 }
 
-/// The vertex where a ray meets a surface; `None` for a miss, and for a surface whose colour does not depend on light. That is seen in
-/// mirrors as the camera sees it, and gives others no light.
+/// The vertex where a ray meets a surface; `None` for a miss, and for a surface whose colour does
+/// not depend on light. That is seen in mirrors as the camera sees it, and gives others no light.
 fn next(
     shading: &Shading<'_>,
     drawn: &Drawn,

@@ -14,7 +14,8 @@ settings! {
         diffuse: f64, Domain::From(0.0, 1.0), default 1.0;
         /// The colour of highlights, which is that of the light, times this.
         specular: Color, Domain::Color, default Color::splat(0.3);
-        /// The exponent of highlights: the larger, the smaller they are. Blinn's are as large as Phong's with about four times as much.
+        /// The exponent of highlights: the larger, the smaller they are. Blinn's are as large as
+        /// Phong's with about four times as much.
         shininess: f64, Domain::Positive, default 32.0;
         /// Whether things cast shadows.
         shadows: bool, Domain::Flag, default true;
@@ -57,7 +58,8 @@ fn mirrored(point: &Lit, light: &Incoming) -> f64 {
     mirrored.dot(point.viewer())
 }
 
-/// The cosine between the normal and the one that a mirror would have to send the light to the viewer.
+/// The cosine between the normal and the one that a mirror would have to send the light to the
+/// viewer.
 fn halfway(point: &Lit, light: &Incoming) -> f64 {
     let halfway: DVec3 = unit(light.towards + point.viewer());
     halfway.dot(point.normal)

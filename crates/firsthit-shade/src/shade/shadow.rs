@@ -5,8 +5,8 @@ use super::blend::transmitted;
 use crate::geometry::{Color, Filtered, Ray, RayFilter, is_light};
 use crate::shoot::Answers;
 
-/// Rays towards light, each with what it brings if nothing blocks it, and to which sum. They are shot together: those of neighbours
-/// go nearly the same way.
+/// Rays towards light, each with what it brings if nothing blocks it, and to which sum. They are
+/// shot together: those of neighbours go nearly the same way.
 #[derive(Default)]
 pub(super) struct ShadowRays {
     rays: Vec<Ray>,
@@ -23,7 +23,8 @@ impl ShadowRays {
         }
     }
 
-    /// A ray that brings light to the sum of that number. What is no number, as of lights beyond the range of float64, is no light.
+    /// A ray that brings light to the sum of that number. What is no number, as of lights beyond
+    /// the range of float64, is no light.
     #[inline]
     pub(super) fn push(&mut self, (ray, filter): (Ray, RayFilter), sum: usize, light: Color) {
         if !is_light(light) {
@@ -34,7 +35,8 @@ impl ShadowRays {
         self.brought.push((sum, light));
     }
 
-    /// Adds the light of the rays that meet nothing to their sums, of all where nothing casts `shadows`, and forgets the rays.
+    /// Adds the light of the rays that meet nothing to their sums, of all where nothing casts
+    /// `shadows`, and forgets the rays.
     pub(super) fn add_to(&mut self, sums: &mut [Color], shading: &Shading<'_>, shadows: bool) {
         if !shadows || self.rays.is_empty() {
             for &(sum, light) in &self.brought {

@@ -1,4 +1,5 @@
-//! Vertices of light paths, and next-event estimation: the light that arrives there straight from sampled lights.
+//! Vertices of light paths, and next-event estimation: the light that arrives there straight from
+//! sampled lights.
 
 use super::matte::{MatteVertex, SortedVertices};
 use super::shadow::ShadowRays;
@@ -26,8 +27,8 @@ pub(super) struct Vertex {
     pub(super) absorption: Color,
     /// Whether it is seen by mirrors and through clear matter alone: then so is the background.
     pub(super) is_specular_path: bool,
-    /// The product of the squared relative indices of all refractions so far. For Russian roulette it undoes what refraction took of the
-    /// throughput.
+    /// The product of the squared relative indices of all refractions so far. For Russian roulette
+    /// it undoes what refraction took of the throughput.
     pub(super) eta_scale: f64,
 }
 
@@ -135,8 +136,8 @@ impl Vertex {
         beyond.unwrap_or(self.absorption)
     }
 
-    /// The contribution of a sampled light if nothing is in its way; `None` for none. It is weighted where the surface's BSDF-sampled rays
-    /// count it too.
+    /// The contribution of a sampled light if nothing is in its way; `None` for none. It is
+    /// weighted where the surface's BSDF-sampled rays count it too.
     pub(super) fn seen(&self, arriving: &LightSample) -> Option<Color> {
         self.weighted(arriving, self.finds_lights)
     }
@@ -166,16 +167,17 @@ impl Vertex {
     }
 }
 
-/// The weight of a sample that was drawn with one probability density and could have been drawn with another one (Veach and Guibas, "Optimally Combining
-/// Sampling Techniques for Monte Carlo Rendering", SIGGRAPH 1995: the power heuristic, with the power of two).
+/// The weight of a sample that was drawn with one probability density and could have been drawn
+/// with another one (Veach and Guibas, "Optimally Combining Sampling Techniques for Monte Carlo
+/// Rendering", SIGGRAPH 1995: the power heuristic, with the power of two).
 #[inline(always)]
 pub(super) fn power_heuristic(own: f64, other: f64) -> f64 {
     let ratio = other / own;
     1.0 / (1.0 + ratio * ratio)
 }
 
-/// The share of light that is left after a length, by an absorption coefficient (Beer, 1852). A ray that never meets a surface is not
-/// absorbed: the solid that it is in has no end.
+/// The share of light that is left after a length, by an absorption coefficient (Beer, 1852). A ray
+/// that never meets a surface is not absorbed: the solid that it is in has no end.
 pub(super) fn transmittance(absorption: Color, length: f64) -> Color {
     if absorption == Color::ZERO || length == f64::INFINITY {
         Color::ONE
@@ -184,7 +186,8 @@ pub(super) fn transmittance(absorption: Color, length: f64) -> Color {
     }
 }
 
-/// Next-event estimation: adds the light of one sample of each light, one of the emissive surfaces, and one of the environment.
+/// Next-event estimation: adds the light of one sample of each light, one of the emissive surfaces,
+/// and one of the environment.
 pub(super) fn add_direct_light(
     shading: &Shading<'_>,
     sorted: &SortedVertices<'_>,
@@ -193,7 +196,8 @@ pub(super) fn add_direct_light(
 ) {
     let set = shading.engine.instruction_set();
     let mut rays = ShadowRays::with_capacity(sorted.count());
-    // Each light has numbers of its own, so that it brings the same whatever other lights there are.
+    // Each light has numbers of its own, so that it brings the same whatever other lights there
+    // are.
     for light in shading.scene.lights() {
         let (key, light) = (light.key(), light.prepared());
         for row in &sorted.rows {

@@ -14,7 +14,8 @@ use crate::scene::{BsdfSample, SurfaceInteraction};
 settings! {
     /// The settings of Whitted's shader.
     pub struct Whitted {
-        /// Light from everywhere, which nothing blocks, on surfaces that are neither mirrors nor clear.
+        /// Light from everywhere, which nothing blocks, on surfaces that are neither mirrors nor
+        /// clear.
         ambient: Color, Domain::Color, default Color::splat(0.25);
         /// Whether things cast shadows. They are hard, and clear things cast them too.
         shadows: bool, Domain::Flag, default true;

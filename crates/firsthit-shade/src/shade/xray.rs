@@ -1,4 +1,5 @@
-//! Radiographs: how much light goes through everything on the way of a ray, as through an absorbing medium (Lambert 1760, Beer 1852).
+//! Radiographs: how much light goes through everything on the way of a ray, as through an absorbing
+//! medium (Lambert 1760, Beer 1852).
 
 use super::crossings::Crossings;
 use super::{Points, Shading};
@@ -65,7 +66,8 @@ fn length_inside(met: &[SurfaceInteraction<'_>]) -> f64 {
     solid.sort_by_key(|surface| surface.hit().object);
     let mut length = 0.0;
     for of_object in solid.chunk_by(|a, b| a.hit().object == b.hit().object) {
-        // A ray enters and leaves in turn. It may start inside, but it ends outside, so pairs are made from its end.
+        // A ray enters and leaves in turn. It may start inside, but it ends outside, so pairs are
+        // made from its end.
         for pair in of_object.rchunks(2) {
             let ray = pair[0].ray();
             let (enters, leaves) = match pair {

@@ -8,17 +8,20 @@ use crate::shoot::Cpu;
 use crate::solid::{FillRule, Grouping, Met, Rule, Solids};
 use crate::watch::Watch;
 
-/// The length of each ray inside the scene's objects, between its `t_min` and its `t_max`, in scene units; by all threads of the current
-/// rayon pool. With [`Grouping::Object`] each ray has one length for each object, with [`Grouping::Union`] a stretch in several objects counts once.
+/// The length of each ray inside the scene's objects, between its `t_min` and its `t_max`, in scene
+/// units; by all threads of the current rayon pool. With [`Grouping::Object`] each ray has one
+/// length for each object, with [`Grouping::Union`] a stretch in several objects counts once.
 ///
 /// 1. Find all crossings beyond `t_min`, also those beyond `t_max`.
-/// 2. How often a closed object goes around the start follows from them, and whether the ray starts inside an open mesh from its
-///    winding number there.
-/// 3. Each crossing takes the ray into an object or out of it, once more or less around. Add up what is inside, within the limits.
+/// 2. How often a closed object goes around the start follows from them, and whether the ray starts
+///    inside an open mesh from its winding number there.
+/// 3. Each crossing takes the ray into an object or out of it, once more or less around. Add up
+///    what is inside, within the limits.
 ///
-/// Of an open mesh the length is NaN where the crossings do not fit together: after the last one, a ray would still be inside. So it is
-/// for a ray that starts inside and leaves through a hole. A ray that starts outside an object and does not cross it has the length 0
-/// in it; so has every ray in a plane or a disc, and in everything one that is not [valid](Ray::is_valid).
+/// Of an open mesh the length is NaN where the crossings do not fit together: after the last one, a
+/// ray would still be inside. So it is for a ray that starts inside and leaves through a hole. A
+/// ray that starts outside an object and does not cross it has the length 0 in it; so has every ray
+/// in a plane or a disc, and in everything one that is not [valid](Ray::is_valid).
 ///
 /// ```
 /// use firsthit::measure::{Grouping, path_lengths};

@@ -1,8 +1,10 @@
 //! Measures the thickness of objects.
 //!
 //! 1. Find the point of the surface that is nearest to each point.
-//! 2. Send a ray inwards from there, which leaves the surface without an epsilon, and find all its crossings of the same object.
-//! 3. How often the object goes around the start follows from them. Take the first crossing behind which the ray is no longer inside.
+//! 2. Send a ray inwards from there, which leaves the surface without an epsilon, and find all its
+//!    crossings of the same object.
+//! 3. How often the object goes around the start follows from them. Take the first crossing behind
+//!    which the ray is no longer inside.
 //!
 //! Open objects have no inside: there it is where the ray next meets them.
 
@@ -25,7 +27,9 @@ const PIECE: usize = 1 << 14;
 /// point that has no surface to be near to, and where the nearest is a triangle without an area: no
 /// direction is inwards.
 ///
-/// The ray leaves the surface as [`SurfaceInteraction::leave`](crate::scene::SurfaceInteraction::leave) has it. Other objects do not count.
+/// The ray leaves the surface as
+/// [`SurfaceInteraction::leave`](crate::scene::SurfaceInteraction::leave) has it. Other objects do
+/// not count.
 ///
 /// ```
 /// use firsthit::measure::thickness;
@@ -76,8 +80,8 @@ pub fn thickness_with(
 /// The direction of rays that leave surfaces.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Towards {
-    /// Inwards, where the object goes around more often: a ray that begins the other way is turned around, and where both sides are
-    /// outside it goes nowhere.
+    /// Inwards, where the object goes around more often: a ray that begins the other way is turned
+    /// around, and where both sides are outside it goes nowhere.
     Inside,
     /// The way that they have.
     Given,
@@ -122,7 +126,8 @@ pub fn thickness_along<R: Rays + ?Sized>(
     for (&k, &length) in solid.iter().zip(&lengths) {
         t[k] = length.unwrap_or(0.0);
     }
-    // Along faces and edges both sides may be outside: there it is as thick as a little within the triangle.
+    // Along faces and edges both sides may be outside: there it is as thick as a little within the
+    // triangle.
     let nowhere = (0..solid.len()).filter(|&place| lengths[place].is_none());
     let (which, within): (Vec<usize>, Vec<(Ray, RayFilter)>) = nowhere
         .filter_map(|place| Some((solid[place], within(scene, &own[place], filters[place])?)))
@@ -174,8 +179,8 @@ fn through(
             let object = usize::try_from(it.object).ok();
             object.is_some_and(|object| solids.is_turned(object, it.primitive))
         });
-        // Behind a face the number is one more than in front of it. Where it is 0 or less behind, the front is farther from 0: that is
-        // the inside.
+        // Behind a face the number is one more than in front of it. Where it is 0 or less behind,
+        // the front is farther from 0: that is the inside.
         let turns = first[k].0;
         if is_turned { turns >= 0 } else { turns <= 0 }
     };

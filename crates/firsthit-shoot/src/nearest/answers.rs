@@ -21,8 +21,9 @@ pub struct ClosestPoint {
     pub barycentric: DVec2,
 }
 
-/// The nearest points of many points, an array for each quantity: `count` elements for each point, the nearest first. Where
-/// fewer were found there are misses: a distance of infinity, identifiers of -1, else NaN.
+/// The nearest points of many points, an array for each quantity: `count` elements for each point,
+/// the nearest first. Where fewer were found there are misses: a distance of infinity, identifiers
+/// of -1, else NaN.
 #[derive(Clone, Default)]
 pub struct ClosestPoints {
     /// The number of elements of each point.

@@ -53,7 +53,8 @@ impl Best {
         Self { wanted, heap: BinaryHeap::new(), most: f64::INFINITY, is_short: false }
     }
 
-    /// Forgets what was found. `hint` bounds the squared distance of what is wanted; it may be too small.
+    /// Forgets what was found. `hint` bounds the squared distance of what is wanted; it may be too
+    /// small.
     pub(super) fn start(&mut self, hint: f64) {
         self.heap.clear();
         // A little more than the square: the root decides.

@@ -1,15 +1,17 @@
 //! Finds the points of a scene nearest to points, and their distances.
 //!
 //! 1. Take the next object whose box may be near enough, from the tree over the objects.
-//! 2. Of a mesh, take the triangles that may be near enough, from its tree (`accel/traverse/nearest.rs`).
+//! 2. Of a mesh, take the triangles that may be near enough, from its tree
+//!    (`accel/traverse/nearest.rs`).
 //! 3. Compute the distance in float64 (`shape/nearest.rs`): it decides.
 //!
-//! The number that is compared is [`Nearest::squared`](crate::shape::Nearest::squared), the square of the distance; of equal
-//! ones the lower (object, primitive) is nearer. Trees and lanes only rule out, so the answer is that of brute force, to the
-//! last bit, for any number of threads and on every instruction set.
+//! The number that is compared is [`Nearest::squared`](crate::shape::Nearest::squared), the square
+//! of the distance; of equal ones the lower (object, primitive) is nearer. Trees and lanes only
+//! rule out, so the answer is that of brute force, to the last bit, for any number of threads and
+//! on every instruction set.
 //!
-//! Distances are those of the world, also to objects whose transforms stretch. What a material cuts out is measured like any
-//! other surface.
+//! Distances are those of the world, also to objects whose transforms stretch. What a material cuts
+//! out is measured like any other surface.
 #![allow(
     clippy::inline_always,
     reason = "what is not inlined into a kernel is not compiled for its instruction set"
@@ -53,8 +55,9 @@ impl Default for NearestSettings {
     }
 }
 
-/// The point of the scene that is nearest to `point`; at the same distance that of the lower (object, primitive). `None` without
-/// objects, and for a point that is not finite, or so far away that the square of its distance leaves float64.
+/// The point of the scene that is nearest to `point`; at the same distance that of the lower
+/// (object, primitive). `None` without objects, and for a point that is not finite, or so far away
+/// that the square of its distance leaves float64.
 ///
 /// ```
 /// use firsthit::nearest::closest_point;
@@ -75,8 +78,9 @@ pub fn closest_point(scene: &Scene, point: DVec3) -> Result<Option<ClosestPoint>
     Ok(all.get(0, 0))
 }
 
-/// The points of the scene that are nearest to each of `points`, by all threads of the current rayon pool: `wanted.count`
-/// for each, in the order of the squares of their distances, of equal ones in that of (object, primitive).
+/// The points of the scene that are nearest to each of `points`, by all threads of the current
+/// rayon pool: `wanted.count` for each, in the order of the squares of their distances, of equal
+/// ones in that of (object, primitive).
 ///
 /// ```
 /// use firsthit::nearest::{NearestSettings, closest_points};
@@ -95,9 +99,9 @@ pub fn closest_point(scene: &Scene, point: DVec3) -> Result<Option<ClosestPoint>
 ///
 /// # Errors
 ///
-/// [`Error::Argument`] for a count of zero, for a radius that is negative or NaN, and for a cone or a cylinder whose transform
-/// does not stretch by the same in all directions; [`Error::Limit`] when the answers do not fit into memory;
-/// [`Error::Interrupted`] when `watch` stops it.
+/// [`Error::Argument`] for a count of zero, for a radius that is negative or NaN, and for a cone or
+/// a cylinder whose transform does not stretch by the same in all directions; [`Error::Limit`] when
+/// the answers do not fit into memory; [`Error::Interrupted`] when `watch` stops it.
 pub fn closest_points(
     scene: &Scene,
     points: &[[f64; 3]],

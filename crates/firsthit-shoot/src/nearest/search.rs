@@ -1,8 +1,8 @@
 //! Searches by trees and by brute force.
 //!
-//! The points before are often near: no surface is farther away than the last one was, and the way from there. This
-//! bounds the search from its start. The bound is rounded, so where nothing is found within it, the search begins anew
-//! without one.
+//! The points before are often near: no surface is farther away than the last one was, and the way
+//! from there. This bounds the search from its start. The bound is rounded, so where nothing is
+//! found within it, the search begins anew without one.
 
 use super::NearestSettings;
 use super::answers::{AnswerSlices, ClosestPoints};
@@ -61,7 +61,8 @@ pub(super) fn fill(
     let parts = parts(answers, size, wanted.count);
     let mut batches = points.chunks(size).zip(parts);
     if points.len() <= BATCH {
-        // Few points need no other thread, though they are several parts. (In Python there is then no pool.)
+        // Few points need no other thread, though they are several parts. (In Python there is then
+        // no pool.)
         return batches.try_for_each(search);
     }
     parallel::try_each(batches, search)

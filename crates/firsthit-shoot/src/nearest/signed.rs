@@ -1,7 +1,8 @@
 //! Distances with a sign: negative inside.
 //!
-//! What is inside is as for `measure::inside`, which decides it exactly for closed meshes as they are in
-//! their own space. A transform rounds the point and the ray; shapes that are no mesh are decided in float64.
+//! What is inside is as for `measure::inside`, which decides it exactly for closed meshes as they
+//! are in their own space. A transform rounds the point and the ray; shapes that are no mesh are
+//! decided in float64.
 
 use super::{Method, NearestSettings, closest_points_with};
 use crate::error::{Error, Result, escape_controls};
@@ -29,8 +30,9 @@ use crate::watch::{OnlyStops, Watch};
 ///
 /// # Errors
 ///
-/// [`Error::Argument`] for an object that is not [closed](crate::shape::Shape::is_closed), or of which a material cuts parts out: it has
-/// no inside. Those of [`closest_points`](super::closest_points).
+/// [`Error::Argument`] for an object that is not [closed](crate::shape::Shape::is_closed), or of
+/// which a material cuts parts out: it has no inside. Those of
+/// [`closest_points`](super::closest_points).
 pub fn signed_distances(scene: &Scene, points: &[[f64; 3]], watch: &dyn Watch) -> Result<Vec<f64>> {
     signed_distances_with(SignSettings::default(), scene, points, watch)
 }
@@ -40,7 +42,8 @@ pub fn signed_distances(scene: &Scene, points: &[[f64; 3]], watch: &dyn Watch) -
 pub struct SignSettings {
     /// The rule for the inside of closed meshes.
     pub rule: FillRule,
-    /// Whether open objects are taken, too: points are inside of them as their winding number says, and never inside a plane or a disc.
+    /// Whether open objects are taken, too: points are inside of them as their winding number says,
+    /// and never inside a plane or a disc.
     pub allow_open: bool,
     /// The method of the search: only times depend on it.
     pub method: Method,
@@ -72,8 +75,9 @@ pub fn signed_distances_with(
     Ok(signed)
 }
 
-/// Gives the distances of points the signs that [`signed_distances`] has: negative inside. `distances` are those to the nearest
-/// surfaces, one for each point, as [`closest_points`](super::closest_points) finds them.
+/// Gives the distances of points the signs that [`signed_distances`] has: negative inside.
+/// `distances` are those to the nearest surfaces, one for each point, as
+/// [`closest_points`](super::closest_points) finds them.
 ///
 /// ```
 /// use firsthit::nearest::{SignSettings, NearestSettings, closest_points, signed_distances_from};
@@ -90,7 +94,8 @@ pub fn signed_distances_with(
 ///
 /// # Errors
 ///
-/// The errors of [`signed_distances_with`], and [`Error::Argument`] for another number of distances than of points.
+/// The errors of [`signed_distances_with`], and [`Error::Argument`] for another number of distances
+/// than of points.
 pub fn signed_distances_from(
     settings: SignSettings,
     scene: &Scene,

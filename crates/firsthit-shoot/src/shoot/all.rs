@@ -51,7 +51,8 @@ impl AllHits {
     ///
     /// # Errors
     ///
-    /// [`Error::Limit`] when there is no memory for them, and for more rays than an identifier can name.
+    /// [`Error::Limit`] when there is no memory for them, and for more rays than an identifier can
+    /// name.
     pub fn ray_numbers(&self) -> Result<Vec<i32>> {
         let mut numbers = Vec::new();
         let room = numbers.try_reserve_exact(self.hits.len());
@@ -68,8 +69,8 @@ impl AllHits {
     }
 }
 
-/// A ray for each hit: of the rays that were shot, those whose numbers are given, as often as they are. With these, what is known of
-/// first hits can be asked about all hits.
+/// A ray for each hit: of the rays that were shot, those whose numbers are given, as often as they
+/// are. With these, what is known of first hits can be asked about all hits.
 ///
 /// ```
 /// use firsthit::shoot::{All, RaysOfHits, trace};
@@ -120,8 +121,8 @@ pub struct AllAnswers<'a> {
 }
 
 impl AllAnswers<'_> {
-    /// Fills it with hits that `find` gathers, for the rays from a first one to before another; by all threads of the current
-    /// rayon pool.
+    /// Fills it with hits that `find` gathers, for the rays from a first one to before another; by
+    /// all threads of the current rayon pool.
     pub(super) fn fill(
         self,
         scene: &Scene,
@@ -209,7 +210,8 @@ impl Ordered {
             if let Some(scaled) = scaled {
                 let mut room = Ok(());
                 list.each(|node| {
-                    // What is in the list is a hit of the scaled ray, which may be out of float64's range for the ray.
+                    // What is in the list is a hit of the scaled ray, which may be out of float64's
+                    // range for the ray.
                     if room.is_ok()
                         && let Some(hit) = scaled.hit(node.surface(), node.crossing)
                     {

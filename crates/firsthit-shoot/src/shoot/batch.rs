@@ -140,7 +140,8 @@ impl<S: Sink> Kernel for Batch<'_, S> {
     fn run<L: Lanes>(self, l: L) {
         let mut memory = Memory::take();
         debug_assert!(self.sink.len() <= BATCH, "there are as many stacks as that");
-        // All crossings with filters are asked for so rarely that packets would not repay their machine code.
+        // All crossings with filters are asked for so rarely that packets would not repay their
+        // machine code.
         if !L::HAS_PACKETS || (S::Query::ALL && S::Query::IS_FILTERED) {
             self.one_by_one(l, &mut memory);
             return memory.give_back();
@@ -167,7 +168,8 @@ impl<S: Sink> Batch<'_, S> {
         }
     }
 
-    /// Through the only mesh of a scene, or the only one that is joined of several: there is no top-level traversal.
+    /// Through the only mesh of a scene, or the only one that is joined of several: there is no
+    /// top-level traversal.
     #[inline(always)]
     fn through_mesh<L: Lanes>(
         mut self,
@@ -236,8 +238,8 @@ impl<S: Sink> Batch<'_, S> {
         }
     }
 
-    /// Prefetches rays of the next batch, which this thread mostly takes: `count`, at the same places as those from `start` on
-    /// in this one.
+    /// Prefetches rays of the next batch, which this thread mostly takes: `count`, at the same
+    /// places as those from `start` on in this one.
     #[inline(always)]
     fn prefetch<L: Lanes>(&self, l: L, start: usize, count: usize) {
         let Some(rays) = self.rays.array() else {
@@ -343,8 +345,8 @@ fn set_filters(
 
 /// Takes rays through the meshes that they have come to, and puts the answers into `sink`.
 ///
-/// The traversals are compiled for each kind of sink: a common one made occlusion and shadow rays 3 to 5 % slower. Those of rare queries
-/// have it behind a pointer.
+/// The traversals are compiled for each kind of sink: a common one made occlusion and shadow rays 3
+/// to 5 % slower. Those of rare queries have it behind a pointer.
 #[inline(always)]
 pub(super) fn dispatch<L: Lanes, Q: RayQuery>(
     l: L,
@@ -360,7 +362,8 @@ pub(super) fn dispatch<L: Lanes, Q: RayQuery>(
     }
 }
 
-/// A function of its own, so that packet building and top-level traversal are not compiled with traversals of meshes.
+/// A function of its own, so that packet building and top-level traversal are not compiled with
+/// traversals of meshes.
 struct Dispatch<'r, 'a, Q: MeshQuery, S: ?Sized>(
     &'r mut Dispatcher,
     &'r mut [MeshPacket<'a>],
@@ -378,7 +381,8 @@ impl<Q: MeshQuery, S: accel::Sink<Q::Found> + ?Sized> Kernel for Dispatch<'_, '_
     }
 }
 
-/// Takes the answers in a scene of one mesh, that of an object or of a group which it leads: they are final.
+/// Takes the answers in a scene of one mesh, that of an object or of a group which it leads: they
+/// are final.
 struct OfMesh<'a, S>(u32, Option<&'a Group>, S);
 
 impl<S: Sink> accel::Sink<MeshAnswer<S::Query>> for OfMesh<'_, S> {
@@ -399,7 +403,8 @@ pub(super) type MeshAnswer<Q> = <<Q as RayQuery>::InMesh as MeshQuery>::Found;
 
 #[cfg(test)]
 mod tests {
-    /// A unit test that traces rays has all packets compiled for it once more, which takes as long as the library. `tests/it` has them.
+    /// A unit test that traces rays has all packets compiled for it once more, which takes as long
+    /// as the library. `tests/it` has them.
     #[test]
     fn no_unit_test_has_packets_compiled() {
         let program = std::fs::read(std::env::current_exe().unwrap()).unwrap();

@@ -1,8 +1,9 @@
 //! The encounter of a ray with one object alone: a hit, or the reason why there is none.
 //!
-//! 1. The line of the ray, without ends, goes through the tree of a mesh, and every triangle that it may touch is asked (`accel`'s
-//!    `EachCandidate`). Other shapes are asked directly.
-//! 2. What the ray itself meets there, the code of [`BruteForce`](super::BruteForce) decides. The first of it is kept.
+//! 1. The line of the ray, without ends, goes through the tree of a mesh, and every triangle that
+//!    it may touch is asked (`accel`'s `EachCandidate`). Other shapes are asked directly.
+//! 2. What the ray itself meets there, the code of [`BruteForce`](super::BruteForce) decides. The
+//!    first of it is kept.
 //! 3. Of what the line touches and the ray does not meet, one place and its reason are kept.
 
 use super::filter::{self, Place};
@@ -218,7 +219,8 @@ impl Touched<'_> {
         self.reject(crossing, why);
     }
 
-    /// Whether the ray leaves a surface that a triangle touches at the start, and does not meet the triangle ahead of that.
+    /// Whether the ray leaves a surface that a triangle touches at the start, and does not meet the
+    /// triangle ahead of that.
     fn only_touches_start(&self, mesh: &Mesh, triangle: u32, shear: &Shear) -> bool {
         let Some((ray, point)) = self.ray.as_ref().zip(self.mesh_filter.departure()) else {
             return false;

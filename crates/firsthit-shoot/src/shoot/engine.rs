@@ -29,8 +29,9 @@ pub trait Engine: Debug + Sync {
     ///
     /// # Errors
     ///
-    /// [`Error::Interrupted`](crate::error::Error::Interrupted) when `watch` stops it; the answers then have no meaning.
-    /// [`Error::Limit`](crate::error::Error::Limit) when all hits do not fit into memory.
+    /// [`Error::Interrupted`](crate::error::Error::Interrupted) when `watch` stops it; the answers
+    /// then have no meaning. [`Error::Limit`](crate::error::Error::Limit) when all hits do not fit
+    /// into memory.
     ///
     /// # Panics
     ///
@@ -43,7 +44,8 @@ pub trait Engine: Debug + Sync {
         watch: &dyn Watch,
     ) -> Result<()>;
 
-    /// The instruction set that shaders compute with; by default that of [`Cpu::shared`]. Answers do not depend on it.
+    /// The instruction set that shaders compute with; by default that of [`Cpu::shared`]. Answers
+    /// do not depend on it.
     fn instruction_set(&self) -> InstructionSet {
         Cpu::shared().0
     }

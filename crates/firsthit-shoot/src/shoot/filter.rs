@@ -53,11 +53,13 @@ pub(super) fn sees(filter: &RayFilter, index: u32, object: &Object) -> bool {
     is_asked_for && !object.is_hidden() && object.mask() & filter.mask != 0
 }
 
-/// Whether a filter may hide the first of several objects in one place and leave another. Where it does not, the first answers for all.
+/// Whether a filter may hide the first of several objects in one place and leave another. Where it
+/// does not, the first answers for all.
 #[inline(always)]
 pub(super) fn tells_copies_apart(filter: &RayFilter, index: u32, object: &Object) -> bool {
     let is_of_it = |surface: &SurfaceId| is_of(surface, index);
-    // A ray that leaves a triangle does not meet its copies either: see `triangle::departure`. Other shapes have no such rule.
+    // A ray that leaves a triangle does not meet its copies either: see `triangle::departure`.
+    // Other shapes have no such rule.
     !sees(filter, index, object)
         || filter.skip.iter().flatten().any(is_of_it)
         || (filter.departure.is_some() && object.mesh().is_none())
@@ -161,7 +163,8 @@ fn is_of(surface: &SurfaceId, index: u32) -> bool {
     surface.object == index.cast_signed()
 }
 
-/// The crossings of a ray in object space with a shape that is no mesh; its `t` times `t_scale` is the caller's.
+/// The crossings of a ray in object space with a shape that is no mesh; its `t` times `t_scale` is
+/// the caller's.
 pub(super) fn crossings(
     filter: &RayFilter,
     index: u32,
@@ -177,7 +180,8 @@ pub(super) fn crossings(
         });
     }
     if let Some(surface) = left {
-        // Out of a convex shape nothing more of it is ahead; into one, the far end. A flat shape is left behind.
+        // Out of a convex shape nothing more of it is ahead; into one, the far end. A flat shape is
+        // left behind.
         let normal = shape.normal(ray.origin, surface.primitive);
         let is_inwards = ray.direction.dot(normal) < 0.0;
         if !is_inwards {
@@ -196,7 +200,8 @@ pub(super) fn crossings(
     })
 }
 
-/// Leaves out the crossings of a line with a shape that is no mesh that the ray is told to skip; `t` times `t_scale` is the caller's.
+/// Leaves out the crossings of a line with a shape that is no mesh that the ray is told to skip;
+/// `t` times `t_scale` is the caller's.
 pub(super) fn leave_out_skipped(
     filter: &RayFilter,
     index: u32,

@@ -2,8 +2,8 @@
 
 use crate::geometry::{DVec3, Ray, Rays};
 
-/// Along no axis, no diagonal and no plane of frequent models, so that few rays meet edges or go along faces; with few digits, so
-/// that determinants are mostly certain in float64.
+/// Along no axis, no diagonal and no plane of frequent models, so that few rays meet edges or go
+/// along faces; with few digits, so that determinants are mostly certain in float64.
 const DIRECTION: DVec3 = DVec3::new(0.4375, 0.625, 0.65625);
 
 /// See [the module](self).

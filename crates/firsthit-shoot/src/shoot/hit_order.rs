@@ -5,8 +5,8 @@
 //!
 //! Of a ray that leaves a surface `t` itself decides: it is measured from a rounded start.
 //!
-//! Where all crossings are wanted, those of one mesh with equal `t` are in the order of a ray infinitely little beside it
-//! (`triangle/crossed.rs`).
+//! Where all crossings are wanted, those of one mesh with equal `t` are in the order of a ray
+//! infinitely little beside it (`triangle/crossed.rs`).
 
 use std::cmp::Ordering;
 
@@ -29,7 +29,8 @@ impl ScaledRay {
         key(new) < key(old)
     }
 
-    /// Sorts crossings of the ray. A solid's first end must come before its second one in the input.
+    /// Sorts crossings of the ray. A solid's first end must come before its second one in the
+    /// input.
     pub(super) fn order(&self, scene: &Scene, hits: &mut [Hit]) {
         if self.is_departing {
             let ids = |hit: &Hit| (hit.object, hit.primitive);
@@ -91,8 +92,8 @@ impl ScaledRay {
     }
 }
 
-/// A stable sort that takes any `is_before`: of numbers beyond float64's range the exact comparison is no order, on which the
-/// standard library's may panic.
+/// A stable sort that takes any `is_before`: of numbers beyond float64's range the exact comparison
+/// is no order, on which the standard library's may panic.
 fn merge_sort(hits: &mut [Hit], is_before: &impl Fn(&Hit, &Hit) -> bool) {
     if hits.len() < 2 {
         return;

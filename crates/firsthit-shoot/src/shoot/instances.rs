@@ -162,8 +162,8 @@ struct Packing {
 }
 
 impl Packing {
-    /// Puts rays at one object into packets of their own, if there are [`FEWEST`] or more; all others share packets. It is compiled once
-    /// and not for each kernel.
+    /// Puts rays at one object into packets of their own, if there are [`FEWEST`] or more; all
+    /// others share packets. It is compiled once and not for each kernel.
     #[inline(never)]
     fn new(instances: &[(usize, Instance<'_>)]) -> Self {
         let object = |k: usize| instances[k].1.object;

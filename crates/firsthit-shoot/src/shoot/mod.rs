@@ -1,7 +1,8 @@
 //! Rays to hits: what does this ray meet first, does it meet anything, and how often?
 //!
-//! An [`Engine`] answers. [`Cpu`] and [`BruteForce`] come to the same bits: whatever trees and lanes rule out, float64
-//! decides about the rest with the same code. Brute force is the reference that every faster way is tested against.
+//! An [`Engine`] answers. [`Cpu`] and [`BruteForce`] come to the same bits: whatever trees and
+//! lanes rule out, float64 decides about the rest with the same code. Brute force is the reference
+//! that every faster way is tested against.
 #![allow(
     clippy::inline_always,
     reason = "what is not inlined into a kernel is not compiled for its instruction set"
@@ -50,7 +51,8 @@ use crate::scene::Scene;
 use crate::watch::Watch;
 
 /// The first object on the ray `p + t * u_r`: the smallest `t > 0`, and at the same `t` the lower
-/// (object, primitive). `u_r` need not be of length one; a ray that is zero, infinite or NaN misses.
+/// (object, primitive). `u_r` need not be of length one; a ray that is zero, infinite or NaN
+/// misses.
 ///
 /// ```
 /// use firsthit::{DVec3, Object, Scene, Sphere, shoot};
@@ -81,8 +83,8 @@ pub fn occluded(scene: &Scene, p: DVec3, u_r: DVec3, t_max: f64) -> bool {
     Cpu::default().any_hit(scene, &Ray::new(p, u_r).up_to(t_max))
 }
 
-/// Answers a query for many rays with [`Cpu`], by all threads of the current rayon pool. The answers are in the order of the
-/// rays, and do not depend on the number of threads.
+/// Answers a query for many rays with [`Cpu`], by all threads of the current rayon pool. The
+/// answers are in the order of the rays, and do not depend on the number of threads.
 ///
 /// Another engine: [`trace_with`]. Memory that is there already: [`trace_into`], [`Engine::trace`].
 ///
@@ -117,8 +119,8 @@ pub fn trace_with<Q: Query, R: Rays + ?Sized>(
     Ok(answers)
 }
 
-/// [`trace_with`] into answers that are there already: their memory is used again, which for a million rays is a large
-/// part of the time. After an error they have no meaning.
+/// [`trace_with`] into answers that are there already: their memory is used again, which for a
+/// million rays is a large part of the time. After an error they have no meaning.
 ///
 /// # Errors
 ///

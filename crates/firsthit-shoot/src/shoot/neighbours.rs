@@ -1,10 +1,13 @@
-//! Neighbouring rays that meet shapes, eight at a time. (A picture's own rays go by tiles: see `shapes.rs`.)
+//! Neighbouring rays that meet shapes, eight at a time. (A picture's own rays go by tiles: see
+//! `shapes.rs`.)
 //!
 //! 1. List what sixteen neighbours may meet, by a box around them all ([`Beam`]).
-//! 2. Of the shapes of the list, intersect each with eight rays at a time. A ray that leaves a convex shape outwards does not meet it again.
+//! 2. Of the shapes of the list, intersect each with eight rays at a time. A ray that leaves a
+//!    convex shape outwards does not meet it again.
 //! 3. A ray that meets something has a state from then on. Most have none, and no more to meet.
 //!
-//! A shape is intersected as in `shapes.rs`, so the answers are those of the single rays, to the bit.
+//! A shape is intersected as in `shapes.rs`, so the answers are those of the single rays, to the
+//! bit.
 
 use super::filter;
 use super::ray_query::RayQuery;
@@ -25,7 +28,8 @@ pub(super) struct Neighbours<'r, Q> {
     /// All rays, and the number of the first.
     source: (&'r dyn Rays, usize),
     states: [Option<RayState<Q>>; RAYS],
-    /// The rays that can meet anything, a bit each, and those of them of a length that needs no scaling.
+    /// The rays that can meet anything, a bit each, and those of them of a length that needs no
+    /// scaling.
     valid: u16,
     plain: u16,
 }
@@ -69,8 +73,9 @@ impl<'r, Q: RayQuery> Neighbours<'r, Q> {
         state.unwrap_or_else(|| begun(&self.rays[index], (rays, number + index)))
     }
 
-    /// Lists what the rays may meet, for all of them at once, and lets them meet the shapes of the list that lanes can do. `None` where each
-    /// ray does better alone. A query for all crossings meets nothing here.
+    /// Lists what the rays may meet, for all of them at once, and lets them meet the shapes of the
+    /// list that lanes can do. `None` where each ray does better alone. A query for all crossings
+    /// meets nothing here.
     #[inline(always)]
     pub(super) fn meet_shapes<'a, L: Lanes>(
         &mut self,
@@ -119,7 +124,8 @@ struct Eight {
     masks: [u32; WIDE],
     /// The rays that leave a surface.
     departing: u8,
-    /// The object that each of these leaves, which primitive of it, and the largest coordinate of that and of its start.
+    /// The object that each of these leaves, which primitive of it, and the largest coordinate of
+    /// that and of its start.
     left: [i32; WIDE],
     primitive: [i32; WIDE],
     coordinate: [f64; WIDE],
@@ -192,7 +198,8 @@ impl<Q: RayQuery> MeetShapes<'_, '_, '_, Q> {
         eight
     }
 
-    /// A bit for each ray that may meet every part of an object. Rays that leave the object meet it here, one by one.
+    /// A bit for each ray that may meet every part of an object. Rays that leave the object meet it
+    /// here, one by one.
     #[inline(always)]
     fn lanes_at<L: Lanes>(
         &mut self,
@@ -227,7 +234,8 @@ impl<Q: RayQuery> MeetShapes<'_, '_, '_, Q> {
     }
 }
 
-/// Tells which of eight rays go into a shape that they leave, by the test of [`filter::crossings`]. The compiler makes lanes of the loop.
+/// Tells which of eight rays go into a shape that they leave, by the test of [`filter::crossings`].
+/// The compiler makes lanes of the loop.
 struct GoInwards<'r, S> {
     shape: &'r S,
     transform: &'r Transform,

@@ -1,8 +1,9 @@
 //! Software prefetching of the triangles of hits.
 //!
-//! Looking up a hit reads the triangle's vertex indices, and then the vertices that they name: two cache misses, the
-//! second of which cannot begin before the first has ended. So the loop is a pipeline over blocks of hits. While block k
-//! is looked up, the vertices of block k + 1 and the vertex indices of block k + 2 are prefetched.
+//! Looking up a hit reads the triangle's vertex indices, and then the vertices that they name: two
+//! cache misses, the second of which cannot begin before the first has ended. So the loop is a
+//! pipeline over blocks of hits. While block k is looked up, the vertices of block k + 1 and the
+//! vertex indices of block k + 2 are prefetched.
 
 use std::ops::Range;
 

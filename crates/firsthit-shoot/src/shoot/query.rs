@@ -47,15 +47,18 @@ pub struct Count;
 
 /// Every crossing of each ray with a surface, in order; [`AllHits`] holds them.
 ///
-/// Each crossing is there once. A ray through an edge or a corner crosses the triangles that a ray infinitely little beside it
-/// would cross (`shape/triangle/crossed.rs`): through a closed mesh it enters and leaves in turn, and where it only grazes, it
-/// does both or neither. So at an edge [`First`] may see a surface that is not among these. A ray along a triangle does
-/// not cross it. A solid that is no mesh is crossed at both ends. Surfaces in the same place count each.
+/// Each crossing is there once. A ray through an edge or a corner crosses the triangles that a ray
+/// infinitely little beside it would cross (`shape/triangle/crossed.rs`): through a closed mesh it
+/// enters and leaves in turn, and where it only grazes, it does both or neither. So at an edge
+/// [`First`] may see a surface that is not among these. A ray along a triangle does not cross it. A
+/// solid that is no mesh is crossed at both ends. Surfaces in the same place count each.
 ///
-/// The order is that of `t`, which is as [`First`] has it, and among hits closer than a few units in the last place the float64
-/// nearest to the exact one: it never decreases. Of equal ones it is that of the object. Within a mesh it is then that of the exact `t`,
-/// after that the one in which the ray beside enters and leaves, and at last that of the primitive. Those of a ray that leaves a surface
-/// ([`Departure`](crate::geometry::Departure)) are in the order of `t` as it is, then of (object, primitive), at edges too.
+/// The order is that of `t`, which is as [`First`] has it, and among hits closer than a few units
+/// in the last place the float64 nearest to the exact one: it never decreases. Of equal ones it is
+/// that of the object. Within a mesh it is then that of the exact `t`, after that the one in which
+/// the ray beside enters and leaves, and at last that of the primitive. Those of a ray that leaves
+/// a surface ([`Departure`](crate::geometry::Departure)) are in the order of `t` as it is, then of
+/// (object, primitive), at edges too.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct All {
     /// The number of first hits of each ray that are wanted; all for `None`.
@@ -101,7 +104,8 @@ impl Query for Count {
     }
 }
 
-/// Memory for the answers of many rays, one for each; what is asked follows from it. What is in it before does not matter.
+/// Memory for the answers of many rays, one for each; what is asked follows from it. What is in it
+/// before does not matter.
 #[derive(Debug)]
 pub enum Answers<'a> {
     /// The answers of [`First`].

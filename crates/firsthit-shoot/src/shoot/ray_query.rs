@@ -33,8 +33,9 @@ pub(super) trait RayQuery: Copy + Send {
         surface: impl Fn(i32) -> SurfaceId,
         found: <Self::InMesh as MeshQuery>::Found,
     ) -> Self;
-    /// Merges what was found in an object, of which `surface` tells what a number stands for. Returns the `t_max` of the scaled ray from here on, which the
-    /// caller lowers and never raises; below zero nothing else matters.
+    /// Merges what was found in an object, of which `surface` tells what a number stands for.
+    /// Returns the `t_max` of the scaled ray from here on, which the caller lowers and never
+    /// raises; below zero nothing else matters.
     fn take(
         &mut self,
         scene: &Scene,

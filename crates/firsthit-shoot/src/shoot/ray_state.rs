@@ -26,7 +26,8 @@ impl<Q: RayQuery> RayState<Q> {
         } else {
             ScaledRay::new(ray)
         };
-        // A ray may begin behind its origin. Below zero `t_max` says that nothing matters any more, so it stays above.
+        // A ray may begin behind its origin. Below zero `t_max` says that nothing matters any more,
+        // so it stays above.
         let within = |scaled: &ScaledRay| {
             let t_max = scaled.ray.t_max.min(t_max / scaled.t_scale);
             t_max.max(f64::MIN_POSITIVE)

@@ -4,7 +4,8 @@ use crate::geometry::{Hit, Ray, RayFilter, SurfaceId, moderation};
 use crate::scene::Object;
 use crate::shape::Crossing;
 
-/// See [the module](self). It goes into objects, and what it meets there becomes hits of the original.
+/// See [the module](self). It goes into objects, and what it meets there becomes hits of the
+/// original.
 pub(super) struct ScaledRay {
     pub(super) ray: Ray,
     /// The factor from the scaled ray's `t` to the original's: a power of two, hardly ever another
@@ -46,8 +47,8 @@ impl ScaledRay {
         Self::new(ray).map(|scaled| Self { is_departing, ..scaled })
     }
 
-    /// The ray, up to `t_max`, in an object's space. A transform can take its numbers out of the range of
-    /// float64: then it meets nothing, as does any ray an object that is out of range.
+    /// The ray, up to `t_max`, in an object's space. A transform can take its numbers out of the
+    /// range of float64: then it meets nothing, as does any ray an object that is out of range.
     #[inline(always)]
     pub(super) fn in_object(&self, object: &Object, t_max: f64) -> Option<Ray> {
         let ray = self.ray.up_to(t_max.min(self.ray.t_max));

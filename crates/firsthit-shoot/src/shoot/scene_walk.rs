@@ -2,8 +2,8 @@
 //!
 //! 1. Take the next object whose box the ray may meet, from the tree over the objects.
 //! 2. Intersect a shape that is no mesh at once.
-//! 3. A mesh has a tree: return it with the ray in its space. The caller traverses it, for one ray or for many, and hands
-//!    the result to [`SceneWalk::take`].
+//! 3. A mesh has a tree: return it with the ray in its space. The caller traverses it, for one ray
+//!    or for many, and hands the result to [`SceneWalk::take`].
 
 use super::filter::{self, Place};
 use super::ray_query::{FirstHit, RayQuery};
@@ -66,8 +66,8 @@ impl<'a, Q: RayQuery> SceneWalk<'a, Q> {
         }
     }
 
-    /// The next mesh, among the objects that are wanted; `None` at the end. Scene and stack are the same each time. What a filtered ray does
-    /// not meet of the mesh goes to `in_mesh`.
+    /// The next mesh, among the objects that are wanted; `None` at the end. Scene and stack are the
+    /// same each time. What a filtered ray does not meet of the mesh goes to `in_mesh`.
     #[inline(always)]
     pub(super) fn next<L: Lanes>(
         &mut self,
@@ -164,7 +164,8 @@ fn is_sharp(tree: &MeshTree, in_mesh: &MeshFilter) -> bool {
     departure.is_none_or(|point| tree.is_sharp_from(point))
 }
 
-/// The first hit of a ray among some objects that are no meshes and in no other's place, and `known`, which it has met already.
+/// The first hit of a ray among some objects that are no meshes and in no other's place, and
+/// `known`, which it has met already.
 #[inline(always)]
 pub(super) fn first_of_shapes(scene: &Scene, ray: &Ray, objects: &[u32], known: Hit) -> Hit {
     let Some(scaled) = ScaledRay::new(ray) else {
@@ -184,8 +185,9 @@ pub(super) fn first_of_shapes(scene: &Scene, ray: &Ray, objects: &[u32], known: 
     first.0
 }
 
-/// Intersects a mesh for which the lanes' traversals do not serve: its triangles may be cut out, it has no nodes, or the ray is
-/// distant, begins behind its origin, has other units or leaves a triangle that float32 cannot tell from its neighbours.
+/// Intersects a mesh for which the lanes' traversals do not serve: its triangles may be cut out, it
+/// has no nodes, or the ray is distant, begins behind its origin, has other units or leaves a
+/// triangle that float32 cannot tell from its neighbours.
 struct TriangleByTriangle<'r, Q> {
     state: &'r mut RayState<Q>,
     scratch: &'r mut Scratch,
@@ -208,7 +210,8 @@ impl<Q: RayQuery> TriangleByTriangle<'_, Q> {
             ray,
             off: filter.departure().map_or(0.0, |point| point.off),
             with_copies: Q::ALL || !filter.meets_everything(),
-            // Behind the pointer nothing is compiled for the instruction set but what is called as a kernel.
+            // Behind the pointer nothing is compiled for the instruction set but what is called as
+            // a kernel.
             visit: &mut |triangle, t_max| {
                 l.call(OneTriangle {
                     state,

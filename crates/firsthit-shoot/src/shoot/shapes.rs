@@ -1,8 +1,9 @@
 //! Eight rays at a time against shapes that are no meshes, in lanes of float64.
 //!
-//! A shape is intersected by what is written once for lanes and for a single ray (`shape/bundle.rs`), so the answers are those of the
-//! single rays, to the bit. Rare cases go to the single-ray code: filters that tell surfaces apart, two hits that may be in one place, and rays whose
-//! directions have extreme lengths.
+//! A shape is intersected by what is written once for lanes and for a single ray
+//! (`shape/bundle.rs`), so the answers are those of the single rays, to the bit. Rare cases go to
+//! the single-ray code: filters that tell surfaces apart, two hits that may be in one place, and
+//! rays whose directions have extreme lengths.
 
 use super::hits::HitSlices;
 use super::scaled_ray::ScaledRay;
@@ -92,7 +93,8 @@ fn is_moderate<L: Lanes>(l: L, ray: &RayOf<L::Doubles>) -> u8 {
     l.le64(l.splat64(1e-100), longest) & l.le64(longest, l.splat64(1e100))
 }
 
-/// Rays in an object's space, and which of them can meet anything there, as [`ScaledRay::in_object`] has it.
+/// Rays in an object's space, and which of them can meet anything there, as
+/// [`ScaledRay::in_object`] has it.
 #[inline(always)]
 pub(super) fn in_object<L: Lanes>(
     l: L,
@@ -116,8 +118,8 @@ pub(super) fn in_object<L: Lanes>(
     (ray, valid)
 }
 
-/// The rays through eight pixels of a row, from the column of the first `x` on, and which of them are as [`PixelGrid::ray`] has them: the
-/// others are of extreme lengths.
+/// The rays through eight pixels of a row, from the column of the first `x` on, and which of them
+/// are as [`PixelGrid::ray`] has them: the others are of extreme lengths.
 #[inline(always)]
 pub(super) fn rays_of_row<L: Lanes>(
     l: L,
@@ -154,7 +156,8 @@ pub(super) fn rays_of_row<L: Lanes>(
     (ray, are_same)
 }
 
-/// The first hits of up to eight rays of a picture among some shapes and what they have met already, at a place in `out` and after it.
+/// The first hits of up to eight rays of a picture among some shapes and what they have met
+/// already, at a place in `out` and after it.
 pub(super) struct FirstOfShapes<'r, 'out> {
     pub(super) scene: &'r Scene,
     pub(super) objects: &'r [u32],

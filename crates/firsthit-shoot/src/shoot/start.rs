@@ -1,4 +1,5 @@
-//! Rays that leave an edge or a corner of an open mesh, and are stopped there: see `shape/triangle/fan.rs`.
+//! Rays that leave an edge or a corner of an open mesh, and are stopped there: see
+//! `shape/triangle/fan.rs`.
 
 use std::cell::Cell;
 
@@ -70,8 +71,8 @@ thread_local! {
     static SCRATCH: Cell<Option<Scratch>> = const { Cell::new(None) };
 }
 
-/// The triangles of an object's mesh that hold a point of one: those with an area, and of those in one
-/// place the lowest.
+/// The triangles of an object's mesh that hold a point of one: those with an area, and of those in
+/// one place the lowest.
 fn around(
     scene: &Scene,
     (index, mesh): (u32, &Mesh),
@@ -125,8 +126,8 @@ fn around(
     around
 }
 
-/// Keeps of triangles in one place the lowest: a face that a file has twice is one face, whatever the
-/// order of its corners. All have an area.
+/// Keeps of triangles in one place the lowest: a face that a file has twice is one face, whatever
+/// the order of its corners. All have an area.
 fn keep_lowest(triangles: &mut Vec<(u32, [DVec3; 3])>) {
     if triangles.len() > FEW {
         // Equal corners come together, the lowest number first.

@@ -24,13 +24,15 @@ impl Viewpoint {
 
 /// Whether the two points of each pair see each other: whether nothing is between them.
 ///
-/// What is at an end does not count: the points of a surface are rounded, to one side of it or the other. So nothing counts within
-/// 2^-40 of the ends' largest coordinate from an end, measured along the longest axis of the line; at a coordinate of 1 that is 10^-12.
-/// Nor does anything nearer to an end than `tolerance`, in scene units, as for points that are rounded to float32.
+/// What is at an end does not count: the points of a surface are rounded, to one side of it or the
+/// other. So nothing counts within 2^-40 of the ends' largest coordinate from an end, measured
+/// along the longest axis of the line; at a coordinate of 1 that is 10^-12. Nor does anything
+/// nearer to an end than `tolerance`, in scene units, as for points that are rounded to float32.
 /// Nor does an end's [`surface`](Viewpoint::surface), also where the line is nearly along it.
 ///
-/// The answer does not depend on which comes first: the ray goes from the point with the lower coordinates, by `x`, then `y`,
-/// then `z`. A point sees itself; one that is not finite, or beyond 10^150, sees no other. The answers are in the order of the pairs.
+/// The answer does not depend on which comes first: the ray goes from the point with the lower
+/// coordinates, by `x`, then `y`, then `z`. A point sees itself; one that is not finite, or beyond
+/// 10^150, sees no other. The answers are in the order of the pairs.
 ///
 /// ```
 /// use firsthit::shoot::{Viewpoint, visible};
@@ -44,7 +46,8 @@ impl Viewpoint {
 ///
 /// # Errors
 ///
-/// [`Error::Argument`](crate::error::Error::Argument) for a tolerance that is negative or not finite, and those of [`trace`].
+/// [`Error::Argument`](crate::error::Error::Argument) for a tolerance that is negative or not
+/// finite, and those of [`trace`].
 #[doc(alias("line of sight", "viewshed"))]
 pub fn visible(
     scene: &Scene,

@@ -12,22 +12,24 @@ use crate::watch::Watch;
 /// The answers for points, and the rules behind them.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Containment {
-    /// The answers, one for each point, or with [`Grouping::Object`] one for each object, point by point.
+    /// The answers, one for each point, or with [`Grouping::Object`] one for each object, point by
+    /// point.
     pub is_inside: Vec<bool>,
     /// The rule of each object.
     pub rules: Vec<Rule>,
 }
 
-/// Tells which points, in world space, are inside the scene's objects, by all threads of the current rayon pool. The answers do not
-/// depend on the number of threads.
+/// Tells which points, in world space, are inside the scene's objects, by all threads of the
+/// current rayon pool. The answers do not depend on the number of threads.
 ///
-/// A closed mesh holds the points that it goes around, as [`FillRule::default`] has it, and for a mesh without a transform that is exact.
-/// A transform first takes the point to object space, which rounds; it is then exact about that point. About the other solids it is as exact
-/// as their crossings in float64.
+/// A closed mesh holds the points that it goes around, as [`FillRule::default`] has it, and for a
+/// mesh without a transform that is exact. A transform first takes the point to object space, which
+/// rounds; it is then exact about that point. About the other solids it is as exact as their
+/// crossings in float64.
 ///
-/// A point exactly on the surface is inside if what is just ahead of it along (7, 10, 10.5) is. So of closed objects that share a face
-/// or an edge, and leave no gap, exactly one holds a point there.
-/// A point that is not finite, or beyond 10^150, is outside.
+/// A point exactly on the surface is inside if what is just ahead of it along (7, 10, 10.5) is. So
+/// of closed objects that share a face or an edge, and leave no gap, exactly one holds a point
+/// there. A point that is not finite, or beyond 10^150, is outside.
 ///
 /// ```
 /// use firsthit::measure::{Grouping, inside};

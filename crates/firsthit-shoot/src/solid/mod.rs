@@ -1,15 +1,19 @@
 //! The inside of objects: the rules, and the winding numbers of points and along rays. Every
 //! measure of solids asks here.
 //!
-//! The **winding number** of a point is how many times an object's surface goes around it: along a ray from there, the crossings from
-//! the back of a triangle to its front, less those from the front to the back. For a closed mesh that number does not depend on the
-//! ray. Each crossing is there once ([`All`](crate::shoot::All)), also at edges, corners and in planes of triangles, and which way it
-//! goes is the sign of a determinant; so it is exact. A [`FillRule`] says of which numbers the points are inside.
+//! The **winding number** of a point is how many times an object's surface goes around it: along a
+//! ray from there, the crossings from the back of a triangle to its front, less those from the
+//! front to the back. For a closed mesh that number does not depend on the ray. Each crossing is
+//! there once ([`All`](crate::shoot::All)), also at edges, corners and in planes of triangles, and
+//! which way it goes is the sign of a determinant; so it is exact. A [`FillRule`] says of which
+//! numbers the points are inside.
 //!
-//! Some triangles of a closed mesh may be flipped. They are taken as turned to face as their neighbours do; see `shape/mesh/facing.rs`.
-//! Where that is not possible, since the surface has one side only, there is no winding number, and parity decides.
+//! Some triangles of a closed mesh may be flipped. They are taken as turned to face as their
+//! neighbours do; see `shape/mesh/facing.rs`. Where that is not possible, since the surface has one
+//! side only, there is no winding number, and parity decides.
 //!
-//! An open mesh is taken for what it nearly encloses: see `winding.rs`. A plane and a disc enclose nothing.
+//! An open mesh is taken for what it nearly encloses: see `winding.rs`. A plane and a disc enclose
+//! nothing.
 
 mod innermost;
 mod inside;
@@ -51,12 +55,13 @@ named! {
     /// The rule for the points that a closed mesh holds, by how many times its surface goes around
     /// them. On meshes without overlaps, of which cavities face inwards, both rules agree.
     pub enum FillRule, "rule":
-        /// Any number of times but zero, either way around. What shells have in common is inside, and so is what is in copies of a
-        /// shell; a mesh that is turned inside out holds the same points.
+        /// Any number of times but zero, either way around. What shells have in common is inside,
+        /// and so is what is in copies of a shell; a mesh that is turned inside out holds the same
+        /// points.
         #[default]
         "nonzero" => Nonzero;
-        /// An odd number of times: a ray from there crosses the surface an odd number of times. What two shells have in common is
-        /// outside, whichever way they face.
+        /// An odd number of times: a ray from there crosses the surface an odd number of times.
+        /// What two shells have in common is outside, whichever way they face.
         "parity" => Parity;
 }
 
@@ -85,8 +90,8 @@ impl Rule {
         }
     }
 
-    /// The rule for an object, where `fill` is asked for. For a mesh it takes long the first time, see
-    /// [`Mesh::is_closed`](crate::shape::Mesh::is_closed).
+    /// The rule for an object, where `fill` is asked for. For a mesh it takes long the first time,
+    /// see [`Mesh::is_closed`](crate::shape::Mesh::is_closed).
     ///
     /// # Errors
     ///

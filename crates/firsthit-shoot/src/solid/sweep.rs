@@ -1,4 +1,5 @@
-//! The way from rays to rows of answers: block by block, so that only the crossings of one block are in memory.
+//! The way from rays to rows of answers: block by block, so that only the crossings of one block
+//! are in memory.
 
 use std::cmp::Ordering;
 use std::ops::Range;
@@ -32,7 +33,8 @@ pub(crate) struct Solids<'a> {
     pub(crate) rules: Vec<Rule>,
     /// The open objects, whose winding number is no whole one.
     pub(crate) open: Vec<usize>,
-    /// The meshes of which crossings count one way or the other, and which way their triangles face.
+    /// The meshes of which crossings count one way or the other, and which way their triangles
+    /// face.
     facing: Vec<Option<(&'a Mesh, &'a Facing)>>,
 }
 
@@ -101,7 +103,8 @@ impl<'a> Solids<'a> {
         }
     }
 
-    /// Whether a crossing goes from the back of a triangle to its front; `None` where that does not matter.
+    /// Whether a crossing goes from the back of a triangle to its front; `None` where that does not
+    /// matter.
     #[inline]
     fn is_outwards(&self, ray: &Ray, crossed: Crossed) -> Option<bool> {
         let (mesh, facing) = self.facing[crossed.object]?;
@@ -118,8 +121,8 @@ impl<'a> Solids<'a> {
         self.facing[object].is_some_and(|(_, facing)| facing.is_turned(triangle))
     }
 
-    /// Counts how often each closed object goes around the start of a ray, in `turns`, which is zero for all of them before. Returns how
-    /// many objects the start is in.
+    /// Counts how often each closed object goes around the start of a ray, in `turns`, which is
+    /// zero for all of them before. Returns how many objects the start is in.
     pub(crate) fn wind(&self, ray: &Ray, met: &Met<'_>, turns: &mut [i32]) -> usize {
         let mut count = 0;
         for crossed in met.crossings() {
@@ -133,7 +136,8 @@ impl<'a> Solids<'a> {
         count
     }
 
-    /// Whether a point is in an open object, as its winding number says. A point outside the mesh's box never is.
+    /// Whether a point is in an open object, as its winding number says. A point outside the mesh's
+    /// box never is.
     pub(crate) fn is_in_open(
         &self,
         object: usize,
@@ -159,8 +163,9 @@ impl<'a> Solids<'a> {
         rays < FEW && triangles.saturating_mul(rays as u64) < FEW_ANGLES
     }
 
-    /// Makes a row of `answers` for each ray, of all its crossings after `t_min`; `t_max` is ignored. `state` makes scratch memory, which
-    /// is used again: it is called once for each piece of work that is under way at the same time.
+    /// Makes a row of `answers` for each ray, of all its crossings after `t_min`; `t_max` is
+    /// ignored. `state` makes scratch memory, which is used again: it is called once for each piece
+    /// of work that is under way at the same time.
     pub(crate) fn sweep<T: Send, S: Send>(
         &self,
         (engine, rays): (&dyn Engine, &dyn Rays),

@@ -1,12 +1,14 @@
 //! The generalised winding number: how many times does a mesh go around a point?
 //!
-//! It is the sum of the solid angles of the triangles, seen from the point and positive from behind, in units of the whole sphere.
-//! Of a closed mesh that faces outwards it is 1 inside and 0 outside. Of an open one it changes smoothly where the surface is
-//! missing, and one half is a fair border.
+//! It is the sum of the solid angles of the triangles, seen from the point and positive from
+//! behind, in units of the whole sphere. Of a closed mesh that faces outwards it is 1 inside and 0
+//! outside. Of an open one it changes smoothly where the surface is missing, and one half is a fair
+//! border.
 //!
-//! Jacobson, Kavan and Sorkine-Hornung, "Robust Inside-Outside Segmentation using Generalized Winding Numbers", ACM Transactions
-//! on Graphics 32(4), 2013. The solid angle of a triangle is that of Van Oosterom and Strackee, "The Solid Angle of a Plane
-//! Triangle", IEEE Transactions on Biomedical Engineering 30(2), 1983.
+//! Jacobson, Kavan and Sorkine-Hornung, "Robust Inside-Outside Segmentation using Generalized
+//! Winding Numbers", ACM Transactions on Graphics 32(4), 2013. The solid angle of a triangle is
+//! that of Van Oosterom and Strackee, "The Solid Angle of a Plane Triangle", IEEE Transactions on
+//! Biomedical Engineering 30(2), 1983.
 
 use std::f64::consts::TAU;
 
@@ -18,8 +20,9 @@ use crate::watch::{Watch, stop_if_asked};
 /// Triangles whose angles are added up before `watch` is asked again.
 const AT_ONCE: usize = 1 << 14;
 
-/// The winding number of a mesh around a point in its object space, in float64 and in the order of the triangles: the same on every
-/// machine, and off by some 10^-16 for each triangle. On the surface itself either side may be answered for.
+/// The winding number of a mesh around a point in its object space, in float64 and in the order of
+/// the triangles: the same on every machine, and off by some 10^-16 for each triangle. On the
+/// surface itself either side may be answered for.
 ///
 /// ```
 /// use firsthit::measure::winding_number;

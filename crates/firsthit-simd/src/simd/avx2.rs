@@ -82,8 +82,8 @@ fn widen_signs(x: __m256) -> D {
     })
 }
 
-/// The sign bits of a register, by an instruction that the compiler does not see through: it would put two such masks together from
-/// lanes, with five shuffles and comparisons in place of a shift.
+/// The sign bits of a register, by an instruction that the compiler does not see through: it would
+/// put two such masks together from lanes, with five shuffles and comparisons in place of a shift.
 macro_rules! sign_bits {
     ($name:ident, $instruction:literal, $register:ty) => {
         #[target_feature(enable = "avx2")]
@@ -271,8 +271,8 @@ impl Lanes for Avx2 {
         let [low, high] = mask.to_le_bytes();
         let front = to.as_mut_ptr();
         let behind = front.wrapping_add(low.count_ones() as usize);
-        // SAFETY: eight numbers from `behind` on end with the sixteenth at the latest; an `Avx2` is made only where the
-        // machine has the features.
+        // SAFETY: eight numbers from `behind` on end with the sixteenth at the latest; an `Avx2` is
+        // made only where the machine has the features.
         unsafe {
             _mm256_storeu_ps(front, compress_half(low, a[0]));
             _mm256_storeu_ps(behind, compress_half(high, a[1]));
@@ -332,8 +332,8 @@ impl Lanes for Avx2 {
         let (to, to_tail) = to.as_chunks_mut::<32>();
         for k in 0..to.len() {
             let (from, to) = (&from[k], &mut to[k]);
-            // SAFETY: each has 32 bytes, and those that are written begin at a multiple of 32; an `Avx2` is made only
-            // where the machine has the features.
+            // SAFETY: each has 32 bytes, and those that are written begin at a multiple of 32; an
+            // `Avx2` is made only where the machine has the features.
             unsafe {
                 let bytes = _mm256_loadu_si256(from.as_ptr().cast());
                 _mm256_stream_si256(to.as_mut_ptr().cast(), bytes);

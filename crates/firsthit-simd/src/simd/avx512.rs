@@ -124,9 +124,10 @@ impl Lanes for Avx512 {
     }
     #[inline(always)]
     fn smallest_of_each(self, of: [&[f32; LANES]; LANES]) -> F {
-        // Two shuffles put the halves of two rows into two registers, whose minimum holds what is left of both rows.
-        // The same for two such minima, and so on, until one number of each row is left. Rows four apart go together
-        // first: the last two shuffles work within quarters of a register, and so the result is in order.
+        // Two shuffles put the halves of two rows into two registers, whose minimum holds what is
+        // left of both rows. The same for two such minima, and so on, until one number of each row
+        // is left. Rows four apart go together first: the last two shuffles work within quarters of
+        // a register, and so the result is in order.
         x86!({
             let behind = _mm512_set_epi32(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
             macro_rules! key {
@@ -213,8 +214,9 @@ impl Lanes for Avx512 {
         macro_rules! part {
             ($at:expr, $bytes:expr) => {{
                 let mask = (1_u64 << $bytes) - 1;
-                // SAFETY: both have `length` bytes, `$at + $bytes` is no more, and bytes that are not in the mask
-                // are not touched; an `Avx512` is made only where the machine has the features.
+                // SAFETY: both have `length` bytes, `$at + $bytes` is no more, and bytes that are
+                // not in the mask are not touched; an `Avx512` is made only where the machine has
+                // the features.
                 unsafe {
                     let bytes = _mm512_maskz_loadu_epi8(mask, from.wrapping_add($at));
                     _mm512_mask_storeu_epi8(to.wrapping_add($at), mask, bytes);
@@ -227,7 +229,8 @@ impl Lanes for Avx512 {
         }
         for line in 0..lines {
             let at = head + 64 * line;
-            // SAFETY: the 64 bytes are in both, and those that are written begin at a multiple of 64.
+            // SAFETY: the 64 bytes are in both, and those that are written begin at a multiple of
+            // 64.
             unsafe {
                 let bytes = _mm512_loadu_si512(from.wrapping_add(at).cast());
                 _mm512_stream_si512(to.wrapping_add(at).cast(), bytes);

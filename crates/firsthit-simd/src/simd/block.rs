@@ -17,7 +17,8 @@ struct Line([u8; BLOCK_ALIGNMENT]);
 
 const _: () = assert!(align_of::<Line>() == BLOCK_ALIGNMENT);
 
-/// Bytes that do not change and stay where they are. They begin at a multiple of [`BLOCK_ALIGNMENT`].
+/// Bytes that do not change and stay where they are. They begin at a multiple of
+/// [`BLOCK_ALIGNMENT`].
 pub struct Block {
     start: NonNull<u8>,
     length: usize,
@@ -42,8 +43,8 @@ unsafe impl Sync for Block {}
 impl Block {
     /// The first `length` bytes of a file, mapped where the system can do that, else read.
     ///
-    /// Processes that map a file share its pages. A mapped file must not be changed while the block lives: what is read
-    /// changes with it, and to read what was cut off ends the process.
+    /// Processes that map a file share its pages. A mapped file must not be changed while the block
+    /// lives: what is read changes with it, and to read what was cut off ends the process.
     pub fn map(file: &File, length: usize) -> io::Result<Self> {
         #[cfg(target_os = "linux")]
         if let Some(mapped) = Self::mapped(file, length) {
@@ -58,7 +59,8 @@ impl Block {
         if length == 0 {
             return None;
         }
-        // SAFETY: without an address of ours the system takes one that is free, so no memory in use is replaced.
+        // SAFETY: without an address of ours the system takes one that is free, so no memory in use
+        // is replaced.
         let start = unsafe {
             mmap(std::ptr::null_mut(), length, ProtFlags::READ, MapFlags::SHARED, file, 0)
         };

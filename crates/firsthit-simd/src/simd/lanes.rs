@@ -30,10 +30,11 @@ pub struct Aligned<T>(pub T);
 
 /// Sixteen float32 numbers, or eight float64 ones, at once.
 ///
-/// A value of the type proves that the machine has the instructions. Masks have lane 0 in bit 0. What the
-/// operations mean is written down in `portable.rs`.
+/// A value of the type proves that the machine has the instructions. Masks have lane 0 in bit 0.
+/// What the operations mean is written down in `portable.rs`.
 pub trait Lanes: Copy + Send + Sync {
-    /// Whether kernels for many rays are compiled with these lanes. Without them each ray goes alone, and has the same answer.
+    /// Whether kernels for many rays are compiled with these lanes. Without them each ray goes
+    /// alone, and has the same answer.
     const HAS_PACKETS: bool = true;
     /// Sixteen float32.
     type Floats: Copy;
@@ -86,11 +87,12 @@ pub trait Lanes: Copy + Send + Sync {
     fn largest(self, a: Self::Floats) -> f32;
     /// The smallest lane; none is NaN.
     fn smallest(self, a: Self::Floats) -> f32;
-    /// Finds the smallest number of each of sixteen rows; none is negative or NaN. Lane k has the bits of row k's
-    /// smallest, with the last four replaced by 15 less its lane in the row. Numbers that differ only in those bits
-    /// tie, and the highest lane wins.
+    /// Finds the smallest number of each of sixteen rows; none is negative or NaN. Lane k has the
+    /// bits of row k's smallest, with the last four replaced by 15 less its lane in the row.
+    /// Numbers that differ only in those bits tie, and the highest lane wins.
     fn smallest_of_each(self, of: [&[f32; LANES]; LANES]) -> Self::Floats;
-    /// Writes the lanes where the mask is set side by side to the front of `to`, and anything behind them.
+    /// Writes the lanes where the mask is set side by side to the front of `to`, and anything
+    /// behind them.
     fn compress(self, mask: u16, a: Self::Floats, to: &mut [f32; LANES]);
 
     /// Eight float32 in float64.
@@ -135,11 +137,11 @@ pub trait Lanes: Copy + Send + Sync {
 
     /// Prefetches `what`, which is read soon.
     fn prefetch<T>(self, what: &T);
-    /// Prefetches one of `whats`, or one of `others`, without a branch, which would be hard to predict. An index out of
-    /// range does no harm.
+    /// Prefetches one of `whats`, or one of `others`, without a branch, which would be hard to
+    /// predict. An index out of range does no harm.
     fn prefetch_either<T, U>(self, is_other: bool, index: u32, whats: &[T], others: &[U]);
-    /// Copies numbers past the caches, to memory that is not read soon. Call [`Lanes::end_streams`] before another
-    /// thread reads them.
+    /// Copies numbers past the caches, to memory that is not read soon. Call [`Lanes::end_streams`]
+    /// before another thread reads them.
     fn stream<T: Pod>(self, from: &[T], to: &mut [T]);
     /// Makes what was streamed visible to other threads.
     fn end_streams(self);

@@ -1,13 +1,14 @@
 //! Lanes, instruction sets and shared memory: the only room with `unsafe` code.
 //!
-//! A kernel is written once, generic over [`Lanes`], in plain safe code. [`run`] compiles it for every
-//! instruction set and calls the version that was asked for. `Portable` says in plain
-//! Rust what each operation means; the others must do the same to the bit, wherever a result is not only
+//! A kernel is written once, generic over [`Lanes`], in plain safe code. [`run`] compiles it for
+//! every instruction set and calls the version that was asked for. `Portable` says in plain Rust
+//! what each operation means; the others must do the same to the bit, wherever a result is not only
 //! used to rule things out.
 //!
-//! All that a kernel calls must be `#[inline(always)]`: only what is inlined into the function with the
-//! instruction set's features is compiled with them. A closure cannot be marked so, and may not be inlined where it is called
-//! several times: around lanes there are macros and functions instead. `.ci/inlined` looks for intrinsics that stand alone.
+//! All that a kernel calls must be `#[inline(always)]`: only what is inlined into the function with
+//! the instruction set's features is compiled with them. A closure cannot be marked so, and may not
+//! be inlined where it is called several times: around lanes there are macros and functions
+//! instead. `.ci/inlined` looks for intrinsics that stand alone.
 
 #![allow(unsafe_code, reason = "intrinsics; see each `SAFETY` line")]
 #![allow(
@@ -64,8 +65,8 @@ pub trait Kernel {
     fn run<L: Lanes>(self, lanes: L) -> Self::Output;
 }
 
-/// Runs `kernel` with an instruction set, or with the next lower one that this machine has. 128 KiB of the caller's
-/// stack are enough.
+/// Runs `kernel` with an instruction set, or with the next lower one that this machine has. 128 KiB
+/// of the caller's stack are enough.
 #[inline]
 pub fn run<K>(set: InstructionSet, kernel: K) -> K::Output
 where
@@ -85,7 +86,8 @@ pub fn run_here<K: Kernel>(set: InstructionSet, kernel: K) -> K::Output {
         InstructionSet::Avx2 => avx2::run(kernel),
         #[cfg(all(target_arch = "aarch64", target_feature = "neon", target_endian = "little"))]
         InstructionSet::Neon => neon::run(kernel),
-        // A module with these runs nowhere without them. A copy of all kernels in plain Rust would double it, for the same bits.
+        // A module with these runs nowhere without them. A copy of all kernels in plain Rust would
+        // double it, for the same bits.
         #[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
         _ => simd128::run(kernel),
         #[cfg(not(all(target_arch = "wasm32", target_feature = "simd128")))]
@@ -178,7 +180,8 @@ mod tests {
             out.extend(keys.map(|x| u64::from(x.to_bits())));
         }
 
-        /// Numbers whose last bits are places, and others that differ from them in the last four bits or above.
+        /// Numbers whose last bits are places, and others that differ from them in the last four
+        /// bits or above.
         #[inline(always)]
         fn by_bits<L: Lanes>(&self, l: L, out: &mut Vec<u64>) {
             let slots = PLACES.map(|place| f32::from_bits(0x8765_4320 | u32::from(place)));

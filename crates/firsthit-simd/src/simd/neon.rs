@@ -1,7 +1,8 @@
 //! The lanes in NEON: four registers each.
 //!
-//! It is compiled where the target has NEON, as all usual targets of 64-bit ARM have, with fused multiply-add. So code of this file
-//! has the features everywhere, and may have closures around lanes.
+//! It is compiled where the target has NEON, as all usual targets of 64-bit ARM have, with fused
+//! multiply-add. So code of this file has the features everywhere, and may have closures around
+//! lanes.
 
 use std::arch::aarch64::*;
 
@@ -21,7 +22,8 @@ pub(super) fn is_available() -> bool {
     !cfg!(miri)
 }
 
-/// Runs a kernel; in plain Rust where that is not available. Not inlined, so that [`Lanes::call`] shares it.
+/// Runs a kernel; in plain Rust where that is not available. Not inlined, so that [`Lanes::call`]
+/// shares it.
 #[inline(never)]
 pub(super) fn run<K: Kernel>(kernel: K) -> K::Output {
     if is_available() { kernel.run(Neon(())) } else { super::portable::run(kernel) }
@@ -94,7 +96,8 @@ fn from_bits(x: uint32x4_t) -> float32x4_t {
     neon!(vreinterpretq_f32_u32(x))
 }
 
-// The instructions for minima and maxima give NaN where either is NaN, and order zeros by their signs.
+// The instructions for minima and maxima give NaN where either is NaN, and order zeros by their
+// signs.
 
 #[inline(always)]
 fn min(a: float32x4_t, b: float32x4_t) -> float32x4_t {

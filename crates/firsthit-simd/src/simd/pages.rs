@@ -1,11 +1,11 @@
-//! Large pages, for arrays of megabytes. Where these are read at random, or written for the first time, small pages cost
-//! more than the work itself.
+//! Large pages, for arrays of megabytes. Where these are read at random, or written for the first
+//! time, small pages cost more than the work itself.
 
 /// A smaller array is not worth the call.
 const LARGE: usize = 4 << 20;
 
-/// Asks the system to back the memory of `values` with large pages, best before anything is written there. Only time is
-/// lost where it does not.
+/// Asks the system to back the memory of `values` with large pages, best before anything is written
+/// there. Only time is lost where it does not.
 pub(crate) fn prefer_large_pages<T>(values: &[T]) {
     if size_of_val(values) < LARGE {
         return;
@@ -19,7 +19,8 @@ pub(crate) fn prefer_large_pages<T>(values: &[T]) {
         let end = range.end as usize / page * page;
         let pages = range.start.cast_mut().cast::<std::ffi::c_void>();
         let pages = pages.wrapping_byte_add(start - range.start as usize);
-        // SAFETY: the pages are all within `values`; the advice changes neither what they hold nor who may use them.
+        // SAFETY: the pages are all within `values`; the advice changes neither what they hold nor
+        // who may use them.
         let advice = unsafe {
             rustix::mm::madvise(pages, end.saturating_sub(start), rustix::mm::Advice::LinuxHugepage)
         };

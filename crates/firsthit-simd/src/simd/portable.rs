@@ -10,7 +10,8 @@ use crate::geometry::arrays::from_fn;
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Portable;
 
-/// Runs a kernel. Not inlined: every instruction set falls back to it, and each copy would have to be compiled.
+/// Runs a kernel. Not inlined: every instruction set falls back to it, and each copy would have to
+/// be compiled.
 #[inline(never)]
 pub(super) fn run<K: Kernel>(kernel: K) -> K::Output {
     kernel.run(Portable)
@@ -40,7 +41,8 @@ pub(super) fn compress(mask: u16, from: &F, to: &mut F) {
 }
 
 impl Lanes for Portable {
-    // Machines without lanes are rare, and packets in plain Rust were a quarter of all machine code.
+    // Machines without lanes are rare, and packets in plain Rust were a quarter of all machine
+    // code.
     const HAS_PACKETS: bool = false;
     type Floats = F;
     type Doubles = D;

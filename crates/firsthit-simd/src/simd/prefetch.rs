@@ -18,8 +18,8 @@ pub(super) fn prefetch_either<T, U>(is_other: bool, index: u32, whats: &[T], oth
     prefetch_lines(start, size, size_of::<T>().max(size_of::<U>()));
 }
 
-/// Prefetches as many cache lines as `most` bytes have. Beyond `size` bytes it takes the first line again, so that the
-/// loop has a fixed length.
+/// Prefetches as many cache lines as `most` bytes have. Beyond `size` bytes it takes the first line
+/// again, so that the loop has a fixed length.
 #[inline(always)]
 fn prefetch_lines(start: *const i8, size: usize, most: usize) {
     for line in 0..most.div_ceil(64) {
@@ -41,8 +41,8 @@ fn prefetch_line(at: *const i8) {
 #[inline(always)]
 #[expect(clippy::pointers_in_nomem_asm_block, reason = "nothing is read or written through it")]
 fn prefetch_line(at: *const i8) {
-    // SAFETY: every such processor has the instruction. It is a hint: it may be given any address, changes no register or
-    // flag, and what is in memory does not depend on it.
+    // SAFETY: every such processor has the instruction. It is a hint: it may be given any address,
+    // changes no register or flag, and what is in memory does not depend on it.
     unsafe {
         std::arch::asm!(
             "prfm pldl1keep, [{at}]",

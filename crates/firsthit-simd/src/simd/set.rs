@@ -6,7 +6,8 @@ use std::sync::OnceLock;
 use crate::error::{Error, Result};
 use crate::parallel;
 
-/// A family of vector instructions that kernels are compiled for. Results do not depend on it, only times do.
+/// A family of vector instructions that kernels are compiled for. Results do not depend on it, only
+/// times do.
 ///
 /// ```
 /// use firsthit::shoot::{Cpu, Engine};
@@ -22,7 +23,8 @@ use crate::parallel;
 pub enum InstructionSet {
     /// The instructions that the compiler makes of plain Rust.
     Portable,
-    /// WebAssembly's `simd128`. A module that is compiled for it has no other, and runs it whichever is asked for.
+    /// WebAssembly's `simd128`. A module that is compiled for it has no other, and runs it
+    /// whichever is asked for.
     Simd128,
     /// NEON, of 64-bit ARM.
     Neon,

@@ -1,7 +1,7 @@
 //! The lanes in WebAssembly's `simd128`: four registers each.
 //!
-//! It has no fused multiply-add. Of float32 none is asked for; that of float64 is emulated, to the bit
-//! (`geometry/fused.rs`).
+//! It has no fused multiply-add. Of float32 none is asked for; that of float64 is emulated, to the
+//! bit (`geometry/fused.rs`).
 
 use std::arch::wasm32::*;
 use std::array::from_fn;
@@ -15,7 +15,8 @@ use super::{Kernel, LANES, Lanes, WIDE};
 use crate::geometry::arithmetic::Arithmetic;
 use crate::geometry::fused::{self, RoundToOdd};
 
-/// The instructions of a module that is compiled for them: a machine without them refuses the module.
+/// The instructions of a module that is compiled for them: a machine without them refuses the
+/// module.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Simd128;
 
@@ -213,7 +214,8 @@ fn one_by_one(a: v128, b: v128, c: v128) -> v128 {
     )
 }
 
-/// See [`Lanes::fused_mul_add64`]. Not inlined: it is some two hundred instructions, and kernels have many of it.
+/// See [`Lanes::fused_mul_add64`]. Not inlined: it is some two hundred instructions, and kernels
+/// have many of it.
 #[inline(never)]
 fn fused_mul_add64(a: D, b: D, c: D) -> D {
     from_fn(|k| Two.fused_mul_add(a[k], b[k], c[k]))
@@ -230,7 +232,8 @@ impl Lanes for Simd128 {
         fn sub(self, a: F, b: F) -> F = four!(f32x4_sub, a, b);
         fn mul(self, a: F, b: F) -> F = four!(f32x4_mul, a, b);
         fn div(self, a: F, b: F) -> F = four!(f32x4_div, a, b);
-        // Theirs give the first argument where either is NaN or both are the same, so the arguments change places.
+        // Theirs give the first argument where either is NaN or both are the same, so the arguments
+        // change places.
         fn min(self, a: F, b: F) -> F = four!(f32x4_pmin, b, a);
         fn max(self, a: F, b: F) -> F = four!(f32x4_pmax, b, a);
         fn abs(self, a: F) -> F = four!(f32x4_abs, a);

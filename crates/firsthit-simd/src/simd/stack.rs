@@ -7,9 +7,10 @@ pub fn with_stack<T>(work: impl FnOnce() -> T) -> T {
     work()
 }
 
-/// Does `work` on a thread with a stack of 16 MiB: the frame of an unoptimised kernel may exceed one megabyte, and
-/// rayon's threads have two. That is this thread where it is within such work already: so what a thread remembers between kernels
-/// is there for the next, if all of them are within one piece of work.
+/// Does `work` on a thread with a stack of 16 MiB: the frame of an unoptimised kernel may exceed
+/// one megabyte, and rayon's threads have two. That is this thread where it is within such work
+/// already: so what a thread remembers between kernels is there for the next, if all of them are
+/// within one piece of work.
 #[cfg(unoptimised)]
 pub fn with_stack<T: Send>(work: impl FnOnce() -> T + Send) -> T {
     use std::sync::OnceLock;
@@ -38,8 +39,9 @@ pub fn with_stack<T: Send>(work: impl FnOnce() -> T + Send) -> T {
     if current_thread_index().is_none() {
         return pool.install(work);
     }
-    // A thread of another pool that waits in `install` takes up more of its own pool's work meanwhile, which may wait
-    // in turn: on a small stack that overflows. A thread of no pool just waits.
+    // A thread of another pool that waits in `install` takes up more of its own pool's work
+    // meanwhile, which may wait in turn: on a small stack that overflows. A thread of no pool just
+    // waits.
     scope(|scope| {
         let waiting = Builder::new().spawn_scoped(scope, || pool.install(work));
         let waiting = waiting.expect("a thread, as there were for the pool");

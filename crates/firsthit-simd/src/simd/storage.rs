@@ -1,4 +1,5 @@
-//! Arrays of plain data that hold a vector together with their clones, or share the memory of a mapped file.
+//! Arrays of plain data that hold a vector together with their clones, or share the memory of a
+//! mapped file.
 
 use std::fmt::{self, Debug, Formatter};
 use std::marker::PhantomData;
@@ -10,8 +11,8 @@ use bytemuck::Pod;
 
 use super::block::Block;
 
-/// An array that is read as a slice. It holds a [`Vec`], or is a part of a mapped scene file, which it keeps mapped. Clones
-/// share the memory.
+/// An array that is read as a slice. It holds a [`Vec`], or is a part of a mapped scene file, which
+/// it keeps mapped. Clones share the memory.
 ///
 /// ```
 /// use firsthit::shape::Storage;
@@ -111,7 +112,8 @@ impl<T> Storage<T> {
         result
     }
 
-    /// A part of a block; `None` where the range is not all there, or does not hold whole elements in aligned places.
+    /// A part of a block; `None` where the range is not all there, or does not hold whole elements
+    /// in aligned places.
     #[doc(hidden)]
     pub fn part(block: &Arc<Block>, range: Range<usize>) -> Option<Self>
     where

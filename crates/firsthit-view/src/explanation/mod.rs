@@ -13,7 +13,8 @@ use serde_json::{Value, json};
 use crate::words::counted;
 use crate::words::{exact_number, number, place, triple};
 
-/// The explanation as lines for people, with a newline at the end of each. With `all`, every object has a line of its own.
+/// The explanation as lines for people, with a newline at the end of each. With `all`, every object
+/// has a line of its own.
 pub fn text(explained: &Explanation<'_>, all: bool) -> String {
     let mut lines = Vec::new();
     if let Some(pixel) = &explained.pixel {

@@ -1,4 +1,5 @@
-//! The objects of an explanation: those that say something about the ray one by one, the others counted.
+//! The objects of an explanation: those that say something about the ray one by one, the others
+//! counted.
 
 use firsthit::explain::{Candidate, Reason};
 
@@ -9,7 +10,8 @@ use crate::words::exact_number;
 /// The number of objects of a reason with a line of their own.
 const MOST: usize = 5;
 
-/// A line for each object that tells something, or for `all`, and a line for each reason of the others.
+/// A line for each object that tells something, or for `all`, and a line for each reason of the
+/// others.
 pub(super) fn lines(candidates: &[Candidate<'_>], all: bool) -> Vec<String> {
     let mut lines = vec![format!("objects    {} in all", candidates.len())];
     if all {

@@ -2,7 +2,8 @@
 
 use super::http::{Method, Request, Status};
 
-/// The headers of every answer. No script from elsewhere runs in the page, no other page may frame or read it, and no cache keeps it.
+/// The headers of every answer. No script from elsewhere runs in the page, no other page may frame
+/// or read it, and no cache keeps it.
 pub(super) const HEADERS: &str = "\
 Content-Security-Policy: default-src 'none'; script-src 'self' 'wasm-unsafe-eval'; connect-src 'self'; \
 img-src 'self' blob: data:; style-src 'self'; worker-src 'self'; frame-ancestors 'none'; base-uri 'none'; form-action 'none'\r\n\
@@ -13,7 +14,8 @@ Cross-Origin-Opener-Policy: same-origin\r\n\
 Cross-Origin-Embedder-Policy: require-corp\r\n\
 Cross-Origin-Resource-Policy: same-origin\r\n";
 
-/// The name of the header that carries the token. A page elsewhere could send it only after asking, and is refused then.
+/// The name of the header that carries the token. A page elsewhere could send it only after asking,
+/// and is refused then.
 const TOKEN: &str = "x-firsthit-token";
 
 /// The conditions for a request to be answered.
@@ -38,7 +40,8 @@ impl Guard {
         &self.token
     }
 
-    /// Refuses requests that another page or another name of this machine may have caused, and questions without the token.
+    /// Refuses requests that another page or another name of this machine may have caused, and
+    /// questions without the token.
     pub(super) fn check(&self, request: &Request) -> Result<(), Status> {
         // Browsers leave out the port 80.
         let port = if self.port == 80 { String::new() } else { format!(":{}", self.port) };

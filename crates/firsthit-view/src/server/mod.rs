@@ -1,4 +1,5 @@
-//! The page's server: on the loopback interface, for one scene, and for the page that knows its token.
+//! The page's server: on the loopback interface, for one scene, and for the page that knows its
+//! token.
 //!
 //! Nothing of a request is a path. The page's files are compiled in, and the scene was chosen on
 //! the command line. To look from another machine takes a tunnel: `ssh -L PORT:127.0.0.1:PORT

@@ -1,5 +1,5 @@
-//! The walls of the house (see ARCHITECTURE.md): what each crate depends on, and which rooms of a crate import which. The compiler holds
-//! the walls between crates.
+//! The walls of the house (see ARCHITECTURE.md): what each crate depends on, and which rooms of a
+//! crate import which. The compiler holds the walls between crates.
 
 use std::collections::HashMap;
 use std::fs;

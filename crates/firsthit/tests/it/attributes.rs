@@ -1,4 +1,5 @@
-//! Attributes where rays met meshes: against rational arithmetic, closed forms, and files whose numbers are known.
+//! Attributes where rays met meshes: against rational arithmetic, closed forms, and files whose
+//! numbers are known.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -32,7 +33,8 @@ fn values(scene: &Scene, hits: &Hits, name: &str, of: Option<PropertyOf>) -> (us
     (made.components, made.values)
 }
 
-/// A star-shaped mesh whose numbers are of many sizes, twice in a scene, with a ball; and rays that meet its corners and edges too.
+/// A star-shaped mesh whose numbers are of many sizes, twice in a scene, with a ball; and rays that
+/// meet its corners and edges too.
 fn many() -> (Scene, Vec<Ray>, Vec<f64>, Vec<f64>) {
     let (points, triangles) = bumpy_sphere(12, 4);
     let mut numbers = Numbers::new(31);
@@ -74,8 +76,9 @@ fn many() -> (Scene, Vec<Ray>, Vec<f64>, Vec<f64>) {
     (scene, rays, heat, tints)
 }
 
-/// More rays than one thread takes at a time. A rounded sum of three rounded products is off by less than 3 * 2^-53 of the sum of the
-/// products' sizes (Higham 2002, section 3.1), and the first weight is exact to 2^-53 of one.
+/// More rays than one thread takes at a time. A rounded sum of three rounded products is off by
+/// less than 3 * 2^-53 of the sum of the products' sizes (Higham 2002, section 3.1), and the first
+/// weight is exact to 2^-53 of one.
 #[test]
 fn interpolated_numbers_are_those_of_rational_arithmetic() {
     let (scene, rays, heat, tints) = many();

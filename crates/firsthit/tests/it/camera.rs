@@ -294,7 +294,8 @@ fn look_at_refuses_angles_and_targets_that_show_nothing() {
     assert!(Camera::look_at(DVec3::X, DVec3::X, DVec3::Z, 45.0, 4, 4).is_err());
 }
 
-/// The product of two directions that are nearly the same is mostly rounding; the frame must be one all the same.
+/// The product of two directions that are nearly the same is mostly rounding; the frame must be one
+/// all the same.
 #[test]
 fn the_frame_is_orthonormal_however_close_up_is_to_aim() {
     let mut accepted = 0;

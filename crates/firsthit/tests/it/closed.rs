@@ -1,4 +1,5 @@
-//! Closed meshes of real files: every line crosses them an even number of times, and what leaves them does not meet what it leaves.
+//! Closed meshes of real files: every line crosses them an even number of times, and what leaves
+//! them does not meet what it leaves.
 //!
 //! They stand beside the clone, in ../shared/refdata. `make soak` says how many rays.
 
@@ -70,7 +71,8 @@ fn point(mesh: &Mesh, triangle: usize, weights: DVec2) -> DVec3 {
     (1.0 - weights.x - weights.y) * a + weights.x * b + weights.y * c
 }
 
-/// Rays at corners, edges and faces from all around; of every four two come from a corner of the box, so that many lie in faces.
+/// Rays at corners, edges and faces from all around; of every four two come from a corner of the
+/// box, so that many lie in faces.
 fn lines(scene: &Scene, count: usize, numbers: &mut Numbers) -> Vec<Ray> {
     let mesh = mesh(scene);
     let bounds = mesh.bounds();

@@ -63,7 +63,8 @@ fn numbers_of_vertices_corners_and_faces_get_the_colours_of_the_map() {
     // In the first triangle heat is 4 x + 4 y, which goes up to 16.
     assert_eq!(unlit("heat", 1.5, 0.5), VIRIDIS.color(0.5));
     assert_eq!(unlit("heat", 0.75, 0.25), VIRIDIS.color(0.25));
-    // At the middle of the second's longest side and its third corner: half of 4, a quarter of 5 and of 9.
+    // At the middle of the second's longest side and its third corner: half of 4, a quarter of 5
+    // and of 9.
     assert_eq!(unlit("wear", 0.5, 1.0), VIRIDIS.color((5.5 - 1.0) / 8.0));
     assert_eq!(unlit("part", 1.5, 0.5), VIRIDIS.color(0.0));
     assert_eq!(unlit("part", 0.5, 1.5), VIRIDIS.color(1.0));

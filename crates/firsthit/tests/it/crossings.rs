@@ -1,4 +1,5 @@
-//! Every crossing once: against rational arithmetic, for rays through vertices and edges, along edges and in planes.
+//! Every crossing once: against rational arithmetic, for rays through vertices and edges, along
+//! edges and in planes.
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -21,7 +22,8 @@ struct Crossed {
     is_entering: bool,
 }
 
-/// The triangles that the line from `(e, e^2, e^3)` beside the ray's origin crosses, for an `e` of 2^-500; in their order.
+/// The triangles that the line from `(e, e^2, e^3)` beside the ray's origin crosses, for an `e` of
+/// 2^-500; in their order.
 fn crossed(ray: &Ray, mesh: &Mesh) -> Vec<Crossed> {
     let e = BigRational::one() / BigRational::from_integer(num_traits::pow(2.into(), 500));
     let origin = exact(ray.origin);
@@ -57,7 +59,8 @@ fn crossed(ray: &Ray, mesh: &Mesh) -> Vec<Crossed> {
     all
 }
 
-/// The bumpy sphere with few digits, and rays at what it has of edges and corners: through them, along them, in planes.
+/// The bumpy sphere with few digits, and rays at what it has of edges and corners: through them,
+/// along them, in planes.
 fn adversarial(seed: u64) -> (Vec<DVec3>, Vec<[u32; 3]>, Vec<Ray>) {
     let mut numbers = Numbers::new(seed);
     let (points, triangles) = bumpy_sphere(3, 5);

@@ -1,4 +1,5 @@
-//! Hundreds of triangles on top of one another, nearly in one plane: the order is the exact one before and after the mesh knows them.
+//! Hundreds of triangles on top of one another, nearly in one plane: the order is the exact one
+//! before and after the mesh knows them.
 
 use firsthit::shoot::{Any, BruteForce, Cpu, First, trace, trace_with};
 use firsthit::{Camera, DVec3, Filtered, InstructionSet, Object, Ray, Scene};

@@ -1,4 +1,5 @@
-//! Cryptomattes: against counts of what every sample meets, and the same bytes however they are made.
+//! Cryptomattes: against counts of what every sample meets, and the same bytes however they are
+//! made.
 
 #![allow(clippy::large_types_passed_by_value, reason = "a camera is handed over whole")]
 
@@ -110,7 +111,8 @@ fn coverages_are_the_counts_of_brute_force() {
         let object = |number| Some(object_name(&scene, number));
         let of_objects = counted(&scene, &camera, object);
         check(&frame, "crypto_object", &of_objects);
-        // Materials without a name differ in their look, so in their number: they are left to the test below.
+        // Materials without a name differ in their look, so in their number: they are left to the
+        // test below.
         let named = |object| material(object).filter(|name| !name.starts_with("material_"));
         let of_materials = counted(&scene, &camera, named);
         let pairs = numbers(&frame, "crypto_material");

@@ -10,10 +10,12 @@ use firsthit::image::{
 use firsthit::{Color, DisplayTransform, Error, ToneMap};
 use serde_json::Value;
 
-/// A row of the oracle: a linear colour, stops, what Khronos PBR Neutral makes of it, and the bytes with it and without.
+/// A row of the oracle: a linear colour, stops, what Khronos PBR Neutral makes of it, and the bytes
+/// with it and without.
 type Row = ([f64; 3], f64, [f64; 3], [u8; 3], [u8; 3]);
 
-/// Some rows of `../shared/light/public/09_display.json`: below and above the start of the compression, and far above.
+/// Some rows of `../shared/light/public/09_display.json`: below and above the start of the
+/// compression, and far above.
 const ROWS: [Row; 5] = [
     ([0.18; 3], 0.0, [0.14; 3], [105; 3], [118; 3]),
     (
@@ -145,8 +147,8 @@ fn black_is_black() {
     }
 }
 
-/// The sums of the rows of AgX's outset differ by 2.3e-4, and the power makes 2.2 times as much of it: an eighth of a byte at most.
-/// Those of the ACES fit differ by 1e-5 in both matrices.
+/// The sums of the rows of AgX's outset differ by 2.3e-4, and the power makes 2.2 times as much of
+/// it: an eighth of a byte at most. Those of the ACES fit differ by 1e-5 in both matrices.
 #[test]
 fn grey_stays_grey() {
     for (tone_map, off) in [

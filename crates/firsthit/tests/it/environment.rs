@@ -1,4 +1,5 @@
-//! Environments against closed forms, sums over all directions, and pictures that others decoded; and in files.
+//! Environments against closed forms, sums over all directions, and pictures that others decoded;
+//! and in files.
 
 use std::f64::consts::{PI, TAU};
 use std::fs;
@@ -93,7 +94,8 @@ fn in_a_uniform_map_a_matte_ball_has_its_albedo() {
     }
 }
 
-/// The mean of the colours of a level, white ground over so many samples, and the standard error of that.
+/// The mean of the colours of a level, white ground over so many samples, and the standard error of
+/// that.
 fn sampled(scene: &Scene, count: usize) -> (f64, f64) {
     let (p, u_r) = (DVec3::new(0.0, 0.0, 2.0), DVec3::new(0.1, 0.2, -1.0));
     let hit = shoot(scene, p, u_r);
@@ -110,7 +112,8 @@ fn sampled(scene: &Scene, count: usize) -> (f64, f64) {
     (mean, (squares.sum::<f64>() / count as f64 / count as f64).sqrt())
 }
 
-/// What a level, white surface takes: the mean of the upper half's green by the cosine, summed over fine cells.
+/// What a level, white surface takes: the mean of the upper half's green by the cosine, summed over
+/// fine cells.
 fn taken(environment: &Environment) -> f64 {
     let (columns, rows) = (640 * 4, 320 * 4);
     let mut sum = 0.0;
@@ -139,8 +142,8 @@ fn a_small_sun_lights_the_ground_without_bias_and_with_little_noise() {
         assert!((mean - expected).abs() < 3.0 * error, "{count}: {mean} {expected} {error}");
         errors.push(error / expected);
     }
-    // Of 1,024 directions that surfaces choose, hardly one would find the sun at all. What is left is the tent of its one texel, which
-    // the table does not know.
+    // Of 1,024 directions that surfaces choose, hardly one would find the sun at all. What is left
+    // is the tent of its one texel, which the table does not know.
     assert!(errors[0] < 0.04, "{errors:?}");
     assert!(errors[1] < 0.3 * errors[0], "{errors:?}");
 }
@@ -257,7 +260,8 @@ fn a_number_turns_about_up_and_a_table_about_any_axis() {
         let text = format!("up = [0, 1, 0]\n[environment]\nfile = \"a.hdr\"\n{rest}");
         in_scene(folder.path(), &text).unwrap().environment.unwrap()
     };
-    // The middle is between 2 and 3; a quarter turn to the left brings there what was to its right, between 3 and 4.
+    // The middle is between 2 and 3; a quarter turn to the left brings there what was to its right,
+    // between 3 and 4.
     for (rest, at_x) in [
         ("", 2.5),
         ("rotate = 90", 3.5),

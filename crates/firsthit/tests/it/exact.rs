@@ -142,7 +142,8 @@ fn of_two_floors_close_together_the_first_is_met() {
     assert!(hits > cases(1500), "{hits}");
 }
 
-/// Two meshes in one plane, cut differently: the exact places are the same, so the first object is met.
+/// Two meshes in one plane, cut differently: the exact places are the same, so the first object is
+/// met.
 #[test]
 fn of_two_triangles_in_one_plane_the_first_object_is_met() {
     let mut numbers = Numbers::new(21);
@@ -172,8 +173,9 @@ fn of_two_triangles_in_one_plane_the_first_object_is_met() {
     assert!(hits > cases(8000), "{hits}");
 }
 
-/// Rays along z through the corner that the triangles of a fan share: the exact `t` is a difference, which often lies halfway between two
-/// float64. It is the same for all triangles, so the lowest wins.
+/// Rays along z through the corner that the triangles of a fan share: the exact `t` is a
+/// difference, which often lies halfway between two float64. It is the same for all triangles, so
+/// the lowest wins.
 #[test]
 fn triangles_with_one_exact_t_are_a_tie_wherever_it_lies() {
     let mut numbers = Numbers::new(23);
@@ -242,8 +244,8 @@ fn power(exponent: i64) -> f64 {
     f64::from_bits(u64::try_from(1023 + exponent).unwrap() << 52)
 }
 
-/// Rays at corners and edges, from where it is exactly so and from where it is by rounding only; the vertices of a closed mesh and its
-/// silhouette are part of it.
+/// Rays at corners and edges, from where it is exactly so and from where it is by rounding only;
+/// the vertices of a closed mesh and its silhouette are part of it.
 #[test]
 fn edges_and_corners_are_decided_exactly() {
     let mut numbers = Numbers::new(23);
@@ -277,7 +279,8 @@ fn edges_and_corners_are_decided_exactly() {
     assert!(hits > cases(1500) && misses > cases(10), "{hits} {misses}");
 }
 
-/// An edge where the products of a side round to the same number, at sizes where what is left of them is tiny.
+/// An edge where the products of a side round to the same number, at sizes where what is left of
+/// them is tiny.
 #[test]
 fn edges_of_tiny_triangles_are_met() {
     let corners = [[1.25, 0.125, 0.0], [0.125, 1.0, 0.125], [0.0625, 0.125, 1.0]];
@@ -333,7 +336,8 @@ fn positions_in_slivers_are_where_the_ray_is() {
     assert_eq!(scene.interaction(&ray, &hit).unwrap().position(), thin[1]);
 }
 
-/// A closed mesh in two objects: no ray from inside passes between them, whatever the transform that they have in common.
+/// A closed mesh in two objects: no ray from inside passes between them, whatever the transform
+/// that they have in common.
 #[test]
 fn a_seam_between_objects_under_one_transform_is_tight() {
     let mut numbers = Numbers::new(24);

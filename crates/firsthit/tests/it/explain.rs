@@ -1,4 +1,5 @@
-//! The explanation of a ray agrees with brute force: the hit, what lies behind it, and why each other object is not the hit.
+//! The explanation of a ray agrees with brute force: the hit, what lies behind it, and why each
+//! other object is not the hit.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -172,7 +173,8 @@ fn check_candidate(scene: &Scene, story: &Explanation<'_>, candidate: &Candidate
     }
 }
 
-/// A ray that leaves a surface: the crossing that is left is the one at the start, and the others are where they seem to be.
+/// A ray that leaves a surface: the crossing that is left is the one at the start, and the others
+/// are where they seem to be.
 fn check_departing(
     scene: &Scene,
     (ray, filter): (&Ray, &RayFilter),

@@ -1,5 +1,5 @@
-//! Rays that do not meet everything: masks, culled sides, skipped and left surfaces. Trees against brute force, bit for bit; rays
-//! that leave triangles also against rational arithmetic.
+//! Rays that do not meet everything: masks, culled sides, skipped and left surfaces. Trees against
+//! brute force, bit for bit; rays that leave triangles also against rational arithmetic.
 
 use firsthit::shoot::{All, Any, BruteForce, Count, Cpu, First, Hits, trace, trace_with};
 use firsthit::{
@@ -12,7 +12,8 @@ use num_traits::{Signed, Zero};
 use crate::support::rational::{Exact, cross, dot, exact, minus, point_left};
 use crate::support::{Numbers, bits, bumpy_sphere, cases, mesh, scene};
 
-/// A closed mesh twice, once moved and turned, soups with copies of triangles, and one of each other shape.
+/// A closed mesh twice, once moved and turned, soups with copies of triangles, and one of each
+/// other shape.
 fn everything(seed: u64) -> Scene {
     let mut numbers = Numbers::new(seed);
     let (points, triangles) = bumpy_sphere(6, seed);
@@ -131,7 +132,8 @@ fn trees_and_brute_force_agree_on_every_instruction_set() {
     }
 }
 
-/// Rays that leave what a camera sees: to a light, and short and long ones to all sides, so into things too. Neighbours go in packets.
+/// Rays that leave what a camera sees: to a light, and short and long ones to all sides, so into
+/// things too. Neighbours go in packets.
 pub(crate) fn leaving_together(scene: &Scene) -> (Vec<Ray>, Vec<RayFilter>) {
     let mut numbers = Numbers::new(9);
     let camera =
@@ -211,7 +213,8 @@ fn rays_that_leave_together_meet_what_brute_force_says() {
     assert!(met > 500, "{met}");
 }
 
-/// A ray at the common edge of two triangles, whose rounded `t` are in another order than the exact ones are rounded to.
+/// A ray at the common edge of two triangles, whose rounded `t` are in another order than the exact
+/// ones are rounded to.
 #[test]
 fn a_ray_that_leaves_a_disc_meets_the_neighbour_that_brute_force_says() {
     let at = DVec3::new(-19_178_712.0, -21_864_168.0, 10_972_992.0);
@@ -289,7 +292,8 @@ fn weights(numbers: &mut Numbers) -> DVec2 {
     }
 }
 
-/// Triangles with a copy, the other way round, on each; and with a larger one in the plane of every third.
+/// Triangles with a copy, the other way round, on each; and with a larger one in the plane of every
+/// third.
 fn with_layers(points: &mut Vec<DVec3>, triangles: &[[u32; 3]]) -> Vec<[u32; 3]> {
     let copies = triangles.iter().map(|&[a, b, c]| [b, a, c]);
     let mut all: Vec<[u32; 3]> = triangles.iter().copied().chain(copies).collect();
@@ -354,7 +358,8 @@ fn rays_that_leave_meet_what_exact_arithmetic_says() {
     assert!(met > cases(1000) && near > cases(50), "{met} {near}");
 }
 
-/// From outside of a closed mesh that is convex, a ray that leaves never comes back; into it, it leaves once.
+/// From outside of a closed mesh that is convex, a ray that leaves never comes back; into it, it
+/// leaves once.
 #[test]
 fn closed_convex_meshes_are_left_for_good() {
     let mut within = 0;
@@ -389,7 +394,8 @@ fn closed_convex_meshes_are_left_for_good() {
                 let (triangle, at) = starts[k];
                 let expected = !met_from(&mesh, starts[k], rays[k].direction).is_empty();
                 assert_eq!(found, expected, "{far} {sign} {triangle} {at}");
-                // Rounded corners are not quite convex, and at an edge a ray into one face may be out of the other.
+                // Rounded corners are not quite convex, and at an edge a ray into one face may be
+                // out of the other.
                 let is_within = at.min_element().min(1.0 - at.x - at.y) > 0.01;
                 if is_within && far == 0.0 {
                     assert_eq!(found, sign < 0.0);

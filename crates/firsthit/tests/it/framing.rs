@@ -51,7 +51,8 @@ fn objects() -> Vec<Object> {
     objects.flat_map(|object| [object.clone(), object.placed(turned)]).collect()
 }
 
-/// Points of the scene's surface, infinite planes left out: met by rays from all around, and the corners of meshes, which they seldom meet.
+/// Points of the scene's surface, infinite planes left out: met by rays from all around, and the
+/// corners of meshes, which they seldom meet.
 fn points(scene: &Scene) -> Vec<DVec3> {
     let bounds = scene.bounds();
     let radius = bounds.size().length();

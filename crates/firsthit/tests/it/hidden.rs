@@ -42,7 +42,8 @@ fn objects() -> Vec<Object> {
     ]
 }
 
-/// What is asked, and the scene that has only the objects which are not hidden, with their identifiers elsewhere.
+/// What is asked, and the scene that has only the objects which are not hidden, with their
+/// identifiers elsewhere.
 struct Judge {
     fewer: Scene,
     kept: Vec<usize>,

@@ -69,7 +69,8 @@ fn a_png_holds_the_bytes_of_the_srgb_formula() {
     check_colors(&frame());
 }
 
-/// More rows than are coloured at a time, and no multiple of it; and a row that is longer than that.
+/// More rows than are coloured at a time, and no multiple of it; and a row that is longer than
+/// that.
 #[test]
 fn large_pngs_are_whole() {
     for [rows, columns] in [[701, 499], [3, 200_003]] {

@@ -165,12 +165,14 @@ fn packed_files_json_and_toml_fail_by_themselves() {
     let toml = "[[objects]]\nshape = \"sphere\"\ncenter = [0, 0, 0]\nradius = ";
     for end in 1..toml.len() {
         let cut = &toml[..end];
-        // A cut in a comment or between two tables would be a whole file: there is none of these here.
+        // A cut in a comment or between two tables would be a whole file: there is none of these
+        // here.
         assert!(!said("a.toml", cut.as_bytes()).is_empty(), "{cut}");
     }
 }
 
-/// The last statement goes on over two lines, and nothing ends it: many programs leave the last line break out.
+/// The last statement goes on over two lines, and nothing ends it: many programs leave the last
+/// line break out.
 #[test]
 fn a_whole_obj_whose_last_statement_is_continued_is_not_cut() {
     let vertices = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";

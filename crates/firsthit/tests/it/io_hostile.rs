@@ -1,4 +1,5 @@
-//! Files that attack: each is an error or a warning with its place, never a panic, a hang or a gigabyte.
+//! Files that attack: each is an error or a warning with its place, never a panic, a hang or a
+//! gigabyte.
 
 use std::fmt::Write;
 use std::fs;

@@ -1,4 +1,5 @@
-//! What files mean that say the same in several ways, and what they are when their name says something else.
+//! What files mean that say the same in several ways, and what they are when their name says
+//! something else.
 
 use std::fs;
 use std::path::Path;

@@ -1,4 +1,5 @@
-//! Objects in one space share a tree. What they answer is what each answers alone, to the bit: brute force asks object by object.
+//! Objects in one space share a tree. What they answer is what each answers alone, to the bit:
+//! brute force asks object by object.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -194,7 +195,8 @@ fn leaving_upwards() -> (Object, Ray, RayFilter) {
     (left, Ray::new(start, DVec3::new(0.01, 0.02, 1.0)), filter)
 }
 
-/// A ray that leaves another space begins a little beyond its start, by the numbers of each object: those that reach far have more.
+/// A ray that leaves another space begins a little beyond its start, by the numbers of each object:
+/// those that reach far have more.
 #[test]
 fn rays_from_another_space_begin_at_each_joined_object_where_they_do_alone() {
     let mut numbers = Numbers::new(3);

@@ -1,4 +1,5 @@
-//! The trees against brute force, brute force against exact arithmetic, and closed meshes against leaks.
+//! The trees against brute force, brute force against exact arithmetic, and closed meshes against
+//! leaks.
 
 use std::sync::Arc;
 
@@ -127,8 +128,8 @@ fn the_judge_agrees_with_exact_arithmetic() {
     assert!(hits > 300, "{hits}");
 }
 
-/// Rays from inside at every corner and at points of every edge, also far from the origin and at other
-/// scales: every one must hit.
+/// Rays from inside at every corner and at points of every edge, also far from the origin and at
+/// other scales: every one must hit.
 #[test]
 fn closed_meshes_do_not_leak() {
     let (points, triangles) = bumpy_sphere(if is_full() { 40 } else { 15 }, 9);
@@ -169,7 +170,8 @@ fn axis_parallel_rays_through_corners_do_not_leak() {
     let scene = scene(vec![Object::new(mesh(&points, triangles))]);
     for p in &points {
         for axis in 0..3 {
-            // From the plane through the origin: inside, for the mesh is star-shaped with radius 0.7 at least.
+            // From the plane through the origin: inside, for the mesh is star-shaped with radius
+            // 0.7 at least.
             let mut origin = *p;
             origin[axis] = 0.0;
             if origin.length() > 0.3 {

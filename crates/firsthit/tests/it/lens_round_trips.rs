@@ -1,4 +1,5 @@
-//! Every lens, with random numbers: a direction that `project` puts into the picture is the ray of that place.
+//! Every lens, with random numbers: a direction that `project` puts into the picture is the ray of
+//! that place.
 
 use firsthit::{Camera, DVec2, DVec3, Lens, Projection, View};
 
@@ -7,7 +8,8 @@ use super::support::{Numbers, rounds};
 const ROWS: usize = 192;
 const COLUMNS: usize = 256;
 
-/// So far from zero are a lens' own numbers, at most; where they are not from there to the negative, from where.
+/// So far from zero are a lens' own numbers, at most; where they are not from there to the
+/// negative, from where.
 #[rustfmt::skip]
 fn own_numbers(projection: Projection) -> &'static [(&'static str, [f64; 2])] {
     match projection {
@@ -70,7 +72,8 @@ fn has_matrix(projection: Projection) -> bool {
     lens.parameters().iter().any(|&(name, _)| name == "fx")
 }
 
-/// A lens with random numbers, each of its own left out now and then, of a camera of so many pixels to a unit.
+/// A lens with random numbers, each of its own left out now and then, of a camera of so many pixels
+/// to a unit.
 fn random_lens(
     projection: Projection,
     numbers: &mut Numbers,
@@ -131,7 +134,8 @@ impl Tally {
             self.without_a_ray += 1;
             return;
         }
-        // Parallel rays have another origin each. Where a lens hardly moves a pixel for another direction, rounding is a wider angle.
+        // Parallel rays have another origin each. Where a lens hardly moves a pixel for another
+        // direction, rounding is a wider angle.
         let to_point = camera.position() + toward - ray.origin;
         let off = to_point - ray.direction * to_point.dot(ray.direction);
         let is_ahead = to_point.dot(ray.direction) > 0.0 || ray.origin != camera.position();

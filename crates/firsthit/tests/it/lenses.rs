@@ -1,4 +1,5 @@
-//! Every lens: its rays and `project` are inverse to each other, and its hits are those of brute force.
+//! Every lens: its rays and `project` are inverse to each other, and its hits are those of brute
+//! force.
 
 #![allow(
     clippy::large_types_passed_by_value,
@@ -296,7 +297,8 @@ fn beyond_the_fold_there_is_no_ray() {
     assert!(aside(1.5).is_none());
 }
 
-/// Of double spheres too: where the second sphere folds, and where the first does, whose centre is then inside the second.
+/// Of double spheres too: where the second sphere folds, and where the first does, whose centre is
+/// then inside the second.
 #[test]
 fn directions_of_double_spheres_do_not_share_a_pixel() {
     let of = |xi: f64, alpha: f64| {
@@ -367,7 +369,8 @@ fn a_field_of_view_of_zero_is_a_pinhole() {
     }
 }
 
-/// An undistorted radius of 1/2 is the one that the model keeps, whatever `omega` is; radii are then angles in units of `omega`.
+/// An undistorted radius of 1/2 is the one that the model keeps, whatever `omega` is; radii are
+/// then angles in units of `omega`.
 #[test]
 fn half_a_unit_off_the_middle_stays_where_it_is() {
     for omega in [0.3_f64, 1.0, 2.5, -1.0] {
@@ -447,7 +450,8 @@ fn thin_prism_fisheyes_see_behind_the_camera() {
     }
 }
 
-/// Without tangential and thin prism distortion they are OpenCV's fisheye, and without radial distortion in front of it equidistant.
+/// Without tangential and thin prism distortion they are OpenCV's fisheye, and without radial
+/// distortion in front of it equidistant.
 #[test]
 fn thin_prism_fisheyes_without_a_prism_are_opencvs() {
     let series = [0.03, -0.01, 0.002, -0.0003];

@@ -1,4 +1,5 @@
-//! What is wrong with meshes: known defects in closed forms, and rational arithmetic for triangles that meet.
+//! What is wrong with meshes: known defects in closed forms, and rational arithmetic for triangles
+//! that meet.
 
 use std::sync::Arc;
 
@@ -354,8 +355,9 @@ fn lint_can_be_stopped() {
     assert!(matches!(stopped, Err(Error::Interrupted)));
 }
 
-/// All points of a triangle in common with another, by rational arithmetic: the corners of the polygon in which it is left when it is
-/// cut by the other's plane and by the planes through the other's edges.
+/// All points of a triangle in common with another, by rational arithmetic: the corners of the
+/// polygon in which it is left when it is cut by the other's plane and by the planes through the
+/// other's edges.
 fn common(p: &[Exact; 3], q: &[Exact; 3]) -> Vec<Exact> {
     let normal = cross(&minus(&q[1], &q[0]), &minus(&q[2], &q[0]));
     let negative: Exact = normal.each_ref().map(|x| -x);
@@ -405,7 +407,8 @@ fn triangles_meet_where_rational_arithmetic_says_so() {
     let mut numbers = Numbers::new(17);
     let mut counts = [[0; 2]; 3];
     for k in 0..cases(8000) {
-        // In a small lattice all that is special happens; some of them flat, some of them a little beside.
+        // In a small lattice all that is special happens; some of them flat, some of them a little
+        // beside.
         let height = [1.0, 0.0, 3.0][k % 3];
         let mut point = || {
             let [x, y, z] = [3, 3, 2].map(|n| numbers.below(n + 1) as f64);

@@ -1,5 +1,5 @@
-//! The library's integration tests, a module for each subject. They are one program, because each further program would link the whole library
-//! again.
+//! The library's integration tests, a module for each subject. They are one program, because each
+//! further program would link the whole library again.
 #![allow(
     clippy::unwrap_used,
     clippy::cast_possible_truncation,

@@ -76,8 +76,8 @@ fn compare(model: &Loaded, row: &Row) -> Option<String> {
     if off > rounding {
         return Some(format!("{bounds:?}, not {low} to {high}"));
     }
-    // The manifest's fans turn triangles of concave polygons over, which adds to the area; and where
-    // those are not flat, each triangulation is another surface.
+    // The manifest's fans turn triangles of concave polygons over, which adds to the area; and
+    // where those are not flat, each triangulation is another surface.
     let expected: f64 = row.area.parse().expect("the manifest has numbers");
     let concave = ["concave", "suzanne.ply"];
     let concave = concave.iter().any(|name| row.file.contains(name));

@@ -1,4 +1,5 @@
-//! Inside and outside: against rational arithmetic, closed forms, and cells that fill space without a gap.
+//! Inside and outside: against rational arithmetic, closed forms, and cells that fill space without
+//! a gap.
 
 use std::array::from_fn;
 
@@ -47,7 +48,8 @@ fn just_ahead(point: DVec3) -> Exact {
     from_fn(|k| &point[k] + &ahead[k] * tiny(300) + tiny(600 * (k + 1)))
 }
 
-/// Whether a point is inside, by the parity of crossings with a ray that meets no edge; `None` on the surface.
+/// Whether a point is inside, by the parity of crossings with a ray that meets no edge; `None` on
+/// the surface.
 fn is_inside_exactly(mesh: &Mesh, point: &Exact, numbers: &mut Numbers) -> Option<bool> {
     'another: loop {
         let way = exact((1e4 * numbers.point()).round());
@@ -282,7 +284,8 @@ fn solids_hold_what_their_formulas_say() {
     assert!(!answers.is_inside.contains(&true));
 }
 
-/// A torus around the z axis, its radii 2 and 1; a point of it lies by less than `1 - cos(pi / 64)` within the true one.
+/// A torus around the z axis, its radii 2 and 1; a point of it lies by less than `1 - cos(pi / 64)`
+/// within the true one.
 fn torus() -> (Vec<DVec3>, Vec<[u32; 3]>) {
     let count = 64_u32;
     let angle = |k: u32| std::f64::consts::TAU * f64::from(k % count) / f64::from(count);
@@ -598,7 +601,8 @@ fn the_thickness_at_a_triangle_without_an_area_is_nan() {
     assert!(of(faces).iter().all(|length| length.is_finite()));
 }
 
-/// From a face's middle inwards, an exact ray crosses a closed mesh next where it is as far as it is thick there.
+/// From a face's middle inwards, an exact ray crosses a closed mesh next where it is as far as it
+/// is thick there.
 #[test]
 fn the_thickness_of_a_mesh_is_that_of_rational_arithmetic() {
     let (points, triangles) = bumpy_sphere(3, 4);

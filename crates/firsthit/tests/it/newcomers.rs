@@ -1,4 +1,5 @@
-//! What meets whoever comes new: every name at the crate's root shows how it is used, and what is printed is short.
+//! What meets whoever comes new: every name at the crate's root shows how it is used, and what is
+//! printed is short.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -23,7 +24,8 @@ fn sources(folder: &Path) -> Vec<PathBuf> {
     nested.flatten().collect()
 }
 
-/// The names that `lib.rs` has at the crate's root, but for the vector maths, which is another crate's.
+/// The names that `lib.rs` has at the crate's root, but for the vector maths, which is another
+/// crate's.
 fn names(lib: &str) -> Vec<String> {
     let lists = lib.split("#[doc(no_inline)]\npub use ").skip(1);
     let lists = lists.map(|list| list.split(';').next().unwrap());
@@ -248,7 +250,8 @@ fn a_model_is_a_scene_in_one_call() {
     assert_eq!((scene.objects().len(), scene.triangles()), (objects, 12));
 }
 
-/// A pyramid on its base, its tip along +z, in a format whose convention is +y: the program sees it upright.
+/// A pyramid on its base, its tip along +z, in a format whose convention is +y: the program sees it
+/// upright.
 #[test]
 fn a_scene_of_a_file_is_upright() {
     let obj = b"v -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nv 0.1 0.2 3\n\

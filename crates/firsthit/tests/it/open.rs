@@ -1,4 +1,5 @@
-//! Rays that leave edges and vertices of open meshes: what a ray from a little above meets at once stops them.
+//! Rays that leave edges and vertices of open meshes: what a ray from a little above meets at once
+//! stops them.
 
 use std::sync::Arc;
 
@@ -12,7 +13,8 @@ fn object(points: &[DVec3], triangles: Vec<[u32; 3]>) -> Object {
     Object::new(mesh(points, triangles))
 }
 
-/// Whether rays from the place under `above` meet something, and the first `t`, by all that answers.
+/// Whether rays from the place under `above` meet something, and the first `t`, by all that
+/// answers.
 fn stopped(scene: &Scene, above: DVec3, ways: &[DVec3]) -> Vec<bool> {
     let down = Ray::new(above, DVec3::NEG_Z);
     let hits = trace(scene, &[down], First, &()).unwrap();

@@ -408,7 +408,8 @@ fn damaged_files_are_refused_or_read_but_never_a_panic() {
             if round % 3 == 0 {
                 bytes.truncate(place(whole.len()));
             } else {
-                // The head, where the numbers are that sizes are made from, more often than the rest.
+                // The head, where the numbers are that sizes are made from, more often than the
+                // rest.
                 let reach = if round % 3 == 1 { 400 } else { whole.len() };
                 for _ in 0..=round % 5 {
                     let at = place(reach.min(bytes.len()));

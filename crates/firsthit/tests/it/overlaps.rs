@@ -1,4 +1,5 @@
-//! Which shells of a mesh `lint` tells to overlap, whichever way their faces are turned; judged by arithmetic on boxes.
+//! Which shells of a mesh `lint` tells to overlap, whichever way their faces are turned; judged by
+//! arithmetic on boxes.
 
 use firsthit::lint::Report;
 use firsthit::{DVec3, Object};
@@ -72,7 +73,8 @@ fn count(report: &Report, kind: &str) -> u64 {
     findings.find(|f| f.kind.name == kind).map_or(0, |f| f.count)
 }
 
-/// The parts that cut others, and those with points that are enclosed more than once by parts around them.
+/// The parts that cut others, and those with points that are enclosed more than once by parts
+/// around them.
 fn overlapping(parts: &[Part]) -> u64 {
     let overlaps = |part: &&Part| {
         let around = parts.iter().filter(|other| other.holds(part) && !std::ptr::eq(*other, *part));

@@ -51,8 +51,8 @@ fn the_box_of_a_disc_that_is_hardly_tilted_holds_all_of_it() {
     }
 }
 
-/// The rays run in the plane of a tilted wall, as closely as float64 can say: which of its triangles are
-/// met is up to rounding, but where one is met, the ray is in it.
+/// The rays run in the plane of a tilted wall, as closely as float64 can say: which of its
+/// triangles are met is up to rounding, but where one is met, the ray is in it.
 #[test]
 fn a_triangle_seen_edge_on_is_met_where_the_ray_is_in_it() {
     const SIDE: u32 = 12;
@@ -91,7 +91,8 @@ fn a_triangle_seen_edge_on_is_met_where_the_ray_is_in_it() {
     assert!(hits > cases(1000), "{hits}");
 }
 
-/// An edge runs within 1e-280 of the ray, so that the product of its corners' coordinates underflows.
+/// An edge runs within 1e-280 of the ray, so that the product of its corners' coordinates
+/// underflows.
 #[test]
 fn an_edge_that_all_but_touches_the_ray_is_met_at_the_edge() {
     let mut numbers = Numbers::new(1);
@@ -193,8 +194,8 @@ fn rays_past_tiny_objects_miss() {
     }
 }
 
-/// The corner of a box that reaches farthest along an axis, and a ray past it by about the rounding of the
-/// way into object space: hit or missed, but by both.
+/// The corner of a box that reaches farthest along an axis, and a ray past it by about the rounding
+/// of the way into object space: hit or missed, but by both.
 #[test]
 fn trees_allow_for_the_rounding_of_transforms() {
     let mut numbers = Numbers::new(77);
@@ -229,7 +230,8 @@ fn trees_allow_for_the_rounding_of_transforms() {
     }
 }
 
-/// The box is as far from the origin as it is brought back: its corners are rounded at that distance.
+/// The box is as far from the origin as it is brought back: its corners are rounded at that
+/// distance.
 #[test]
 fn trees_allow_for_the_rounding_of_what_is_moved_back_to_the_origin() {
     let far = DVec3::splat(1e7);
@@ -255,8 +257,8 @@ fn maps_that_flatten_space_are_refused() {
     assert!(Transform::new(DAffine3::from_scale(thin)).is_ok());
 }
 
-/// A floor of any size, and a tile on it that is thinner than a hair: which of them is met must not depend
-/// on where the floor's corners are.
+/// A floor of any size, and a tile on it that is thinner than a hair: which of them is met must not
+/// depend on where the floor's corners are.
 #[test]
 fn the_size_of_a_triangle_does_not_change_which_object_is_met() {
     for size in [1e2, 1e5, 1e7, 1e8, 1e10, 1e12] {
@@ -273,7 +275,8 @@ fn the_size_of_a_triangle_does_not_change_which_object_is_met() {
             let ray = Ray::new(eye, DVec3::new(target.x, target.y, 0.0) - eye);
             let hit = Cpu::default().first_hit(&scene, &ray);
             assert_eq!(hit.object, 1, "{size} {ray:?} {hit:?}");
-            // The tile's corners are up to 7 lengths away, which its `t` may be off by in the last places.
+            // The tile's corners are up to 7 lengths away, which its `t` may be off by in the last
+            // places.
             let exact = (ray.origin.z - 1e-9) / -ray.direction.z;
             assert!((hit.t - exact).abs() <= 32.0 * f64::EPSILON, "{size} {hit:?} {exact}");
             assert_eq!(hit.t.to_bits(), BruteForce.first_hit(&scene, &ray).t.to_bits());

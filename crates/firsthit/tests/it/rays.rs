@@ -48,7 +48,8 @@ fn a_negative_t_min_lets_a_ray_see_where_it_starts() {
     }
 }
 
-/// Where a ray begins is rounded as much as the far origin is: here to behind what is met just after.
+/// Where a ray begins is rounded as much as the far origin is: here to behind what is met just
+/// after.
 #[test]
 fn rounding_does_not_lose_what_is_just_after_a_negative_t_min() {
     let (origin, speed, t_min) =
@@ -137,7 +138,8 @@ fn bounds_are_the_smallest_box() {
     assert!((scene(vec![ball]).bounds().high - DVec3::ONE).length() < 1e-15);
 }
 
-/// From 10^9 times a shape's size away `t` cannot say where on it a hit is; the position is on the surface all the same.
+/// From 10^9 times a shape's size away `t` cannot say where on it a hit is; the position is on the
+/// surface all the same.
 #[test]
 fn positions_are_on_the_surface_however_far_away_the_origin_is() {
     let mut numbers = Numbers::new(14);

@@ -1,4 +1,5 @@
-//! Pictures against closed forms: shading, channels, antialiasing, and the same bytes for any threads.
+//! Pictures against closed forms: shading, channels, antialiasing, and the same bytes for any
+//! threads.
 
 use firsthit::channel::{ChannelInput, ChannelKind, KINDS, kind, make};
 use firsthit::image::{Data, Frame};

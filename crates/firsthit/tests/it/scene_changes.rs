@@ -55,7 +55,8 @@ fn a_mesh_whose_vertices_moved_is_met_where_it_is_now() {
     assert_eq!((hit.t, hit.primitive), (4.0, 1));
 }
 
-/// Objects of all kinds, moved one after the other: near and far, onto each other, flattened and turned.
+/// Objects of all kinds, moved one after the other: near and far, onto each other, flattened and
+/// turned.
 #[test]
 fn a_moved_object_is_met_as_in_a_scene_built_anew() {
     let (points, triangles) = bumpy_sphere(12, 3);
@@ -132,7 +133,8 @@ fn the_fingerprint_of_a_moved_scene_is_that_of_one_built_anew() {
     assert_ne!(moved.fingerprint(), before);
 }
 
-/// From no object that is in the way to one, and back: with few objects, which are in no tree, and with more.
+/// From no object that is in the way to one, and back: with few objects, which are in no tree, and
+/// with more.
 #[test]
 fn what_moves_into_the_way_of_a_ray_is_met() {
     let ball = |x: f64| Object::new(Sphere::new(DVec3::new(x, 0.0, 0.0), 0.5).unwrap());

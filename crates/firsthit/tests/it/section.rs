@@ -12,7 +12,8 @@ use num_traits::{Signed, ToPrimitive, Zero};
 use crate::support::rational::{Exact, cross, dot, exact, minus};
 use crate::support::{Ask, Numbers, bumpy_sphere, cases, mesh, on_threads, scene};
 
-/// The boundary of cells of the unit lattice, wound outwards. Cells that only touch at an edge or a corner share it.
+/// The boundary of cells of the unit lattice, wound outwards. Cells that only touch at an edge or a
+/// corner share it.
 fn cells(cells: &[[i32; 3]]) -> (Vec<DVec3>, Vec<[u32; 3]>) {
     let (mut points, mut triangles) = (Vec::new(), Vec::new());
     for &cell in cells {
@@ -88,7 +89,8 @@ fn a_face_in_the_plane_is_cut_where_the_solid_is_below_it() {
     assert_eq!((from_below(0.0).area(), from_below(1.0).len()), (1.0, 0));
 }
 
-/// Cells in a lattice meet at edges and corners, and planes of the lattice go through their vertices, edges and faces.
+/// Cells in a lattice meet at edges and corners, and planes of the lattice go through their
+/// vertices, edges and faces.
 #[test]
 fn sections_of_lattice_cells_are_closed_and_their_area_is_a_count() {
     let mut numbers = Numbers::new(11);
@@ -124,8 +126,9 @@ fn sections_of_lattice_cells_are_closed_and_their_area_is_a_count() {
     }
 }
 
-/// The area and the perimeter of what is just below the plane: from the exact segments of all triangles, without joining them.
-/// By Green's theorem the sum over oriented segments is the area, in any order.
+/// The area and the perimeter of what is just below the plane: from the exact segments of all
+/// triangles, without joining them. By Green's theorem the sum over oriented segments is the area,
+/// in any order.
 fn judged(scene: &Scene, origin: DVec3, normal: DVec3) -> (f64, f64) {
     let (o, n) = (exact(origin), exact(normal));
     let (mut twice, mut perimeter) = (BigRational::zero(), 0.0);
@@ -187,7 +190,8 @@ fn sections_of_closed_meshes_are_closed_with_the_area_of_rational_arithmetic() {
     }
 }
 
-/// A torus of `around` times `across` quads about the z axis; its lowest and highest ring, and those at z = 0, are exactly there.
+/// A torus of `around` times `across` quads about the z axis; its lowest and highest ring, and
+/// those at z = 0, are exactly there.
 fn torus(around: u32, across: u32, [large, small]: [f64; 2]) -> (Vec<DVec3>, Vec<[u32; 3]>) {
     let mut points = Vec::new();
     for k in 0..around {

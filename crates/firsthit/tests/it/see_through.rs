@@ -38,7 +38,8 @@ fn a_box_lets_through_what_its_thickness_leaves() {
         let left = libm::exp(-density * 1.5);
         let color = seen(&scene, xray(density, 0.0), 4.0 * DVec3::Z, DVec3::NEG_Z);
         assert_eq!(color, BEHIND * left);
-        // The direction's length is of no account, and neither is where the ray starts: from inside half of it is left.
+        // The direction's length is of no account, and neither is where the ray starts: from inside
+        // half of it is left.
         let color = seen(&scene, xray(density, 0.0), 4.0 * DVec3::Z, -8.0 * DVec3::Z);
         assert_eq!(color, BEHIND * left);
         let color = seen(&scene, xray(density, 0.0), 0.75 * DVec3::Z, DVec3::NEG_Z);

@@ -113,8 +113,9 @@ fn edge() -> Scene {
     Scene::new(vec![Object::new(wall)]).unwrap()
 }
 
-/// The camera is at `x = speed (time - 10)`. The edge at x = 0, ten units ahead, is then seen at the column
-/// `columns / 2 * (1 - x / 10)`: the picture of a vertical edge is a straight line that leans.
+/// The camera is at `x = speed (time - 10)`. The edge at x = 0, ten units ahead, is then seen at
+/// the column `columns / 2 * (1 - x / 10)`: the picture of a vertical edge is a straight line that
+/// leans.
 #[test]
 fn a_rolling_shutter_shears_a_vertical_edge_exactly() {
     let (rows, columns, speed) = (40, 64, 2.5);
@@ -151,7 +152,8 @@ fn a_rolling_shutter_shears_a_vertical_edge_exactly() {
     }
 }
 
-/// Columns that are read out one after the other, while the camera drives along them, stretch the wall.
+/// Columns that are read out one after the other, while the camera drives along them, stretch the
+/// wall.
 #[test]
 fn columns_read_out_sideways_have_their_own_times() {
     let camera = plain_camera(4, 10);
@@ -185,7 +187,8 @@ fn a_rolling_shutter_that_does_not_move_is_its_camera_bit_for_bit() {
     }
 }
 
-/// It flies over the wall's edge, which is then a horizontal line of the picture, where the closed form says.
+/// It flies over the wall's edge, which is then a horizontal line of the picture, where the closed
+/// form says.
 #[test]
 fn a_pushbroom_sees_each_row_at_its_time() {
     let wall = Cuboid::new(DVec3::new(-50.0, 0.0, -11.0), DVec3::new(50.0, 50.0, -10.0)).unwrap();

@@ -56,8 +56,9 @@ fn glossy(shininess: f64) -> Phong {
     }
 }
 
-/// Where the normal is (0.6, 0, 0.8), light from straight above is mirrored to 2 * 0.8 (0.6, 0, 0.8) - (0, 0, 1) = (0.96, 0, 0.28),
-/// and so seen from above with a cosine of 0.28; half way between light and viewer is straight up, 0.8 from the normal.
+/// Where the normal is (0.6, 0, 0.8), light from straight above is mirrored to 2 * 0.8 (0.6, 0,
+/// 0.8) - (0, 0, 1) = (0.96, 0, 0.28), and so seen from above with a cosine of 0.28; half way
+/// between light and viewer is straight up, 0.8 from the normal.
 #[test]
 fn highlights_on_a_ball_are_those_computed_by_hand() {
     let scene = ball(sun(DVec3::Z));
@@ -70,7 +71,8 @@ fn highlights_on_a_ball_are_those_computed_by_hand() {
     assert_close(phong, matte + highlight(0.021_952));
     let blinn = seen(&scene, &Shader::BlinnPhong(settings), eye, DVec3::NEG_Z);
     assert_close(blinn, matte + highlight(0.512));
-    // At the pole, lit from (0.6, 0, 0.8): mirrored to (-0.6, 0, 0.8); half way is (0.6, 0, 1.8) / sqrt(3.6).
+    // At the pole, lit from (0.6, 0, 0.8): mirrored to (-0.6, 0, 0.8); half way is (0.6, 0, 1.8) /
+    // sqrt(3.6).
     let scene = ball(sun(DVec3::new(0.6, 0.0, 0.8)));
     let [phong, blinn] = [Shader::Phong, Shader::BlinnPhong]
         .map(|kind| seen(&scene, &kind(glossy(2.0)), DVec3::new(0.0, 0.0, 5.0), DVec3::NEG_Z));
@@ -168,7 +170,8 @@ fn leaning() -> Scene {
     Scene::new(vec![with_normals([[0.6, 0.0, 0.8]; 3])]).unwrap()
 }
 
-/// In the middle of the longest edge the mean of (0.6, 0, 0.8) and (-0.6, 0, 0.8) has length 0.8 and is the face's normal.
+/// In the middle of the longest edge the mean of (0.6, 0, 0.8) and (-0.6, 0, 0.8) has length 0.8
+/// and is the face's normal.
 #[test]
 fn smooth_normals_have_length_one_with_a_transform_and_without() {
     let apart = [[0.6, 0.0, 0.8], [-0.6, 0.0, 0.8], [0.0, 0.0, 1.0]];
@@ -214,7 +217,8 @@ fn faces_are_shaded_with_smooth_normals_or_flat() {
     }
 }
 
-/// Light from the side that the smooth normal leans to would end with a jump where the face turns away.
+/// Light from the side that the smooth normal leans to would end with a jump where the face turns
+/// away.
 #[test]
 fn light_on_smooth_normals_fades_before_the_face_turns_away() {
     let lit = |height: f64, flat: bool| {

@@ -1,4 +1,5 @@
-//! Shaders compute many points side by side. Each has to get what it gets alone, to the bit, with every instruction set.
+//! Shaders compute many points side by side. Each has to get what it gets alone, to the bit, with
+//! every instruction set.
 
 use std::sync::Arc;
 
@@ -107,7 +108,8 @@ fn environment(kind: EnvironmentKind) -> Arc<Environment> {
     Arc::new(Environment { is_seen: false, ..Environment::new(kind) })
 }
 
-/// On a plane under two hemispheres; above a shadow catcher under a map; and with a surface that emits.
+/// On a plane under two hemispheres; above a shadow catcher under a map; and with a surface that
+/// emits.
 fn scenes() -> Vec<Scene> {
     let hemispheres = EnvironmentKind::Hemispheres {
         above: Color::new(0.4, 0.5, 0.7),

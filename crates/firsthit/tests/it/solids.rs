@@ -1,5 +1,6 @@
-//! Every measure of solids has the same inside, for both rules. The judge is counting: a solid is made of boxes, and how often it goes around
-//! a point is how many of them hold it, those that face inwards less those that face outwards.
+//! Every measure of solids has the same inside, for both rules. The judge is counting: a solid is
+//! made of boxes, and how often it goes around a point is how many of them hold it, those that face
+//! inwards less those that face outwards.
 
 use firsthit::measure::{
     FillRule, Grouping, Rule, Towards, inside_with, path_lengths_with, rules_with, thickness_along,
@@ -121,7 +122,8 @@ impl Solid {
         mesh(&points, triangles)
     }
 
-    /// As it stands; its vertices turned, moved and rounded; and its object turned, mirrored and scaled.
+    /// As it stands; its vertices turned, moved and rounded; and its object turned, mirrored and
+    /// scaled.
     fn placed(&self) -> [Placed; 3] {
         let turn = DQuat::from_rotation_x(0.4)
             * DQuat::from_rotation_y(1.1)
@@ -450,7 +452,8 @@ fn an_open_box_has_a_sign_on_request() {
     assert_eq!(signed_distances_with(settings, &scene, &asked, &()).unwrap(), [-0.25, 0.5]);
 }
 
-/// Boxes in random places, whose sides are often in one plane: the section's outlines are closed, simple, and as large as what is counted.
+/// Boxes in random places, whose sides are often in one plane: the section's outlines are closed,
+/// simple, and as large as what is counted.
 #[test]
 fn sections_of_many_overlapping_boxes_are_what_is_counted() {
     let mut numbers = Numbers::new(5);

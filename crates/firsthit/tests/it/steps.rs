@@ -21,7 +21,8 @@ use flate2::write::GzEncoder;
 
 use crate::support::{bumpy_sphere, mesh};
 
-/// Keeps each step with its total and what was done of it, and stops at some of the questions whether to.
+/// Keeps each step with its total and what was done of it, and stops at some of the questions
+/// whether to.
 #[derive(Default)]
 struct Kept {
     steps: Mutex<Vec<(String, u64, u64)>>,
@@ -61,7 +62,8 @@ fn built(watch: &dyn Watch) -> Result<Scene> {
     Scene::build_watched(ball(), BuildSettings::default(), watch)
 }
 
-/// The steps of some work, each of which must be done to its end, and which must end where it is stopped.
+/// The steps of some work, each of which must be done to its end, and which must end where it is
+/// stopped.
 fn steps<T: Send>(work: impl Fn(&dyn Watch) -> Result<T> + Sync) -> Vec<String> {
     // By one thread, so that there are as many questions each time.
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
@@ -265,7 +267,8 @@ fn trees_that_are_fitted_are_told_of_with_those_that_are_built() {
     assert_eq!(steps(change), ["building trees"]);
 }
 
-/// Two balls, and a triangle of the first one so often that no leaf has room for all: what is built of the three is built again of two.
+/// Two balls, and a triangle of the first one so often that no leaf has room for all: what is built
+/// of the three is built again of two.
 fn joined(watch: &dyn Watch) -> Result<Scene> {
     let (points, triangles) = bumpy_sphere(80, 3);
     let often = Object::new(mesh(&points, vec![triangles[0]; 40]));

@@ -1,4 +1,5 @@
-//! Cameras with an aperture: what is in focus, how large the rest becomes, and what does not see the lens.
+//! Cameras with an aperture: what is in focus, how large the rest becomes, and what does not see
+//! the lens.
 
 #![allow(clippy::large_types_passed_by_value, reason = "a camera is handed over whole")]
 
@@ -61,9 +62,9 @@ fn flat(scene: &Scene, camera: Camera, samples: u32) -> Render<'_> {
         .shade(Shader::named("unlit").unwrap())
 }
 
-/// The circle of confusion: a point at the distance z becomes a disc of the diameter `aperture |z - focus| / (z focus)` at distance
-/// one, and of a disc of radius r the mean of x^2 is r^2 / 4. That of a small disc in the scene adds to it, and that of a
-/// pixel, 1/12.
+/// The circle of confusion: a point at the distance z becomes a disc of the diameter `aperture |z -
+/// focus| / (z focus)` at distance one, and of a disc of radius r the mean of x^2 is r^2 / 4. That
+/// of a small disc in the scene adds to it, and that of a pixel, 1/12.
 #[test]
 fn a_small_disc_out_of_focus_has_the_moments_of_its_circle_of_confusion() {
     let (rows, columns, samples) = (64, 64, 256);
@@ -100,7 +101,8 @@ fn a_small_disc_out_of_focus_has_the_moments_of_its_circle_of_confusion() {
             mean(&|p| (p.y - middle.y) * (p.y - middle.y)),
             mean(&|p| (p.x - middle.x) * (p.y - middle.y)),
         ];
-        // Each of the 256 samples sees a dozen pixels of the small disc, some more or less, and so counts more or less.
+        // Each of the 256 samples sees a dozen pixels of the small disc, some more or less, and so
+        // counts more or less.
         let close = 0.03 * expected[0] + 0.05;
         for (measured, expected) in measured.iter().zip(expected) {
             let error = (measured - expected).abs();
@@ -117,7 +119,8 @@ fn a_small_disc_out_of_focus_has_the_moments_of_its_circle_of_confusion() {
     }
 }
 
-/// Flat colours on the plane in focus, whose edges pass no sample by less than rounding: the same hits, so the same bits.
+/// Flat colours on the plane in focus, whose edges pass no sample by less than rounding: the same
+/// hits, so the same bits.
 #[test]
 fn what_is_in_focus_has_the_bits_of_a_pinhole() {
     let camera = Camera::look_at(DVec3::ZERO, DVec3::NEG_Z, DVec3::Y, 60.0, 60, 80).unwrap();
@@ -139,7 +142,8 @@ fn what_is_in_focus_has_the_bits_of_a_pinhole() {
     assert_ne!(bits(&sharp, "color"), bits(&elsewhere, "color"));
 }
 
-/// From every sample's point of the lens, through the point in focus that the pinhole's ray goes through.
+/// From every sample's point of the lens, through the point in focus that the pinhole's ray goes
+/// through.
 #[test]
 fn rays_of_a_sample_meet_those_of_the_pinhole_in_focus() {
     let camera = skewed(40, 50);
@@ -183,7 +187,8 @@ fn distorted() -> [Camera; 2] {
     })
 }
 
-/// With distortion too each ray goes from its sample's point of the lens to where the pixel's ray through the middle is in focus.
+/// With distortion too each ray goes from its sample's point of the lens to where the pixel's ray
+/// through the middle is in focus.
 #[test]
 fn rays_through_a_distorted_lens_meet_the_chief_rays_in_focus() {
     for pinhole in distorted() {
@@ -217,7 +222,8 @@ fn rays_through_a_distorted_lens_meet_the_chief_rays_in_focus() {
     }
 }
 
-/// A point out of focus is seen, from a point of the lens, where the pinhole sees the point in focus behind it.
+/// A point out of focus is seen, from a point of the lens, where the pinhole sees the point in
+/// focus behind it.
 #[test]
 fn the_camera_at_a_point_of_a_distorted_lens_projects_what_its_rays_meet() {
     for pinhole in distorted() {
@@ -512,8 +518,8 @@ fn a_description_has_a_lens_with_a_distance_or_a_point() {
 
 #[test]
 fn a_cuboid_in_front_of_the_focus_is_blurred_by_the_share_of_the_lens_that_it_hides() {
-    // A half-space from x = 0 on at half the distance in focus: the share of the lens that sees past its edge from the point in focus at
-    // x is the part of the disc beyond the edge's image.
+    // A half-space from x = 0 on at half the distance in focus: the share of the lens that sees
+    // past its edge from the point in focus at x is the part of the disc beyond the edge's image.
     let camera = Camera::look_at(DVec3::ZERO, DVec3::NEG_Z, DVec3::Y, 0.3, 1, 101).unwrap();
     let (aperture, focus, samples) = (1.0, 8.0, 2048);
     let wall = Cuboid::new(DVec3::new(0.0, -50.0, -4.001), DVec3::new(50.0, 50.0, -4.0)).unwrap();
@@ -522,12 +528,14 @@ fn a_cuboid_in_front_of_the_focus_is_blurred_by_the_share_of_the_lens_that_it_hi
     let frame = flat(&scene, lens, samples).frame().unwrap();
     for (column, share) in values(&frame, "color").into_iter().enumerate() {
         let ray = camera.ray(0, column);
-        // On the plane in focus; at half its distance the ray from l on the lens is at the mean of both.
+        // On the plane in focus; at half its distance the ray from l on the lens is at the mean of
+        // both.
         let x = ray.direction.x / -ray.direction.z * focus;
         let s = (-x / (0.5 * aperture)).clamp(-1.0, 1.0);
         // The share of the unit disc to the right of s.
         let expected = (libm::acos(s) - s * (1.0 - s * s).sqrt()) / std::f64::consts::PI;
-        // A pixel is 0.042 wide in focus, a twelfth of the radius: the share is nearly linear in it.
+        // A pixel is 0.042 wide in focus, a twelfth of the radius: the share is nearly linear in
+        // it.
         assert!((share - expected).abs() < 0.006, "{column}: {share} {expected}");
     }
 }

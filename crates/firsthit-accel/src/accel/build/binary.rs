@@ -1,12 +1,16 @@
 //! The builder of binary trees: top down, by the surface area heuristic over bins, in parallel.
 //!
-//! 1. Make a leaf of a range of boxes if it fits one; part it where it is [large and mostly empty](parts_of_leaf).
+//! 1. Make a leaf of a range of boxes if it fits one; part it where it is [large and mostly
+//!    empty](parts_of_leaf).
 //! 2. Split the range where a ray's expected cost is least (`binned_sah.rs`).
-//! 3. Where no plane separates the boxes' middles, leave out items that are in the place of others, or halve the range.
+//! 3. Where no plane separates the boxes' middles, leave out items that are in the place of others,
+//!    or halve the range.
 //! 4. Build both parts, large ones by two threads.
 //!
-//! Wald, "On fast Construction of SAH-based Bounding Volume Hierarchies", IEEE Symposium on Interactive Ray Tracing
-//! 2007. It departs in step 3, and in that the tree does not depend on the number of threads: bins are counts and
+//! Wald, "On fast Construction of SAH-based Bounding Volume Hierarchies", IEEE Symposium on
+//! Interactive Ray Tracing
+//! 2007. It departs in step 3, and in that the tree does not depend on the number of threads: bins
+//!       are counts and
 //! unions of boxes, whose order does not matter, and ranges are forked by their size alone.
 
 use super::binned_sah::{self, Block, Box32, Item, Split, around};
@@ -21,8 +25,8 @@ pub(super) const DEEPEST: u32 = SAH_DEPTH + 32;
 /// Below this a range is built by one thread.
 const FORK: usize = 8192;
 
-/// A box, and what is in it: `count` entries of the order from `first` on, or, when `count` is 0, the
-/// two nodes from `first` on.
+/// A box, and what is in it: `count` entries of the order from `first` on, or, when `count` is 0,
+/// the two nodes from `first` on.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct BinaryNode {
     pub(super) bounds: Box32,
@@ -30,8 +34,8 @@ pub(super) struct BinaryNode {
     pub(super) count: u32,
 }
 
-/// A binary tree: the root first. The children of a node stand side by side; after them comes all that is below the
-/// first, then all that is below the second.
+/// A binary tree: the root first. The children of a node stand side by side; after them comes all
+/// that is below the first, then all that is below the second.
 pub(super) struct Binary {
     pub(super) nodes: Vec<BinaryNode>,
     /// The items' indices, those of a leaf side by side.
@@ -48,8 +52,8 @@ pub(super) trait Primitives: Sync {
     fn large(&self) -> f64 {
         f64::INFINITY
     }
-    /// Leaves out items that lose every tie to another in the same place: puts the others in front and returns their
-    /// number. Called only for ranges that would be halved.
+    /// Leaves out items that lose every tie to another in the same place: puts the others in front
+    /// and returns their number. Called only for ranges that would be halved.
     fn distinct(&self, items: &mut [Item]) -> usize {
         items.len()
     }
@@ -133,8 +137,8 @@ fn join(
     Subtree { root: inner(around, 0), nodes }
 }
 
-/// Appends the nodes below a range's root, which it returns. The recursion ends, as ranges are halved from
-/// [`SAH_DEPTH`] on.
+/// Appends the nodes below a range's root, which it returns. The recursion ends, as ranges are
+/// halved from [`SAH_DEPTH`] on.
 fn append(
     items: &mut [Item],
     around: Box32,
@@ -174,7 +178,8 @@ fn inner(bounds: Box32, first: u32) -> BinaryNode {
     BinaryNode { bounds, first, count: 0 }
 }
 
-/// Counts stay below 2^32: there are at most two nodes for each item, and items have an `i32` identifier.
+/// Counts stay below 2^32: there are at most two nodes for each item, and items have an `i32`
+/// identifier.
 fn index(count: usize) -> u32 {
     u32::try_from(count).expect("identifiers are signed 32-bit")
 }
@@ -184,11 +189,13 @@ fn split(items: &mut [Item], depth: u32, block: Block) -> Option<Split> {
     (depth < SAH_DEPTH).then(|| binned_sah::split(items, block)).flatten()
 }
 
-/// The two parts of a range that fits a leaf, where two leaves are better: floor and ceiling of a room, whose one leaf every ray within
-/// the room would visit. The heuristic counts rays from outside, and would keep them together. Rays that begin and end anywhere visit a box
-/// as often as its volume and a quarter of its surface times their length say. Here they are as long as the mean chord of the box around
-/// both parts, four times its volume by its surface. Aila, Karras and Laine, "On Quality Metrics of Bounding Volume Hierarchies", High
-/// Performance Graphics 2013, tell how far the surface alone is off.
+/// The two parts of a range that fits a leaf, where two leaves are better: floor and ceiling of a
+/// room, whose one leaf every ray within the room would visit. The heuristic counts rays from
+/// outside, and would keep them together. Rays that begin and end anywhere visit a box as often as
+/// its volume and a quarter of its surface times their length say. Here they are as long as the
+/// mean chord of the box around both parts, four times its volume by its surface. Aila, Karras and
+/// Laine, "On Quality Metrics of Bounding Volume Hierarchies", High Performance Graphics 2013, tell
+/// how far the surface alone is off.
 fn parts_of_leaf(
     items: &mut [Item],
     around: Box32,

@@ -1,12 +1,14 @@
 //! Splits a range of boxes by the surface area heuristic over bins.
 //!
-//! 1. Put the boxes into 16 bins along each axis by their middles (8 for small ranges); a bin keeps their count and
-//!    union.
-//! 2. For each plane between two bins, add up what both sides cost a ray: the surface of the box around a side, times
-//!    how many blocks of items it has. A block is as many items as are tested together.
+//! 1. Put the boxes into 16 bins along each axis by their middles (8 for small ranges); a bin keeps
+//!    their count and union.
+//! 2. For each plane between two bins, add up what both sides cost a ray: the surface of the box
+//!    around a side, times how many blocks of items it has. A block is as many items as are tested
+//!    together.
 //! 3. Partition the range at the cheapest plane.
 //!
-//! Wald, "On fast Construction of SAH-based Bounding Volume Hierarchies", IEEE Symposium on Interactive Ray Tracing
+//! Wald, "On fast Construction of SAH-based Bounding Volume Hierarchies", IEEE Symposium on
+//! Interactive Ray Tracing
 //! 2007. It departs in the cost, which counts blocks in place of items.
 
 use crate::accel::space::CHUNK;
@@ -33,7 +35,8 @@ impl PartialEq for Box32 {
     }
 }
 
-/// The smaller ones of two times four numbers, none of which is NaN: a comparison is one instruction for all.
+/// The smaller ones of two times four numbers, none of which is NaN: a comparison is one
+/// instruction for all.
 #[inline(always)]
 pub(super) fn smaller(a: [f32; 4], b: [f32; 4]) -> [f32; 4] {
     arrays::from_fn(|k| if a[k] < b[k] { a[k] } else { b[k] })
@@ -77,7 +80,8 @@ impl Box32 {
         Self { low: smaller(self.low, other.low), high: larger(self.high, other.high) }
     }
 
-    /// Half the surface; in float64, as the product of two coordinates of 1e30 is too large for float32.
+    /// Half the surface; in float64, as the product of two coordinates of 1e30 is too large for
+    /// float32.
     #[inline(always)]
     pub(super) fn half_area(self) -> f64 {
         let [x, y, z] = self.size();
@@ -129,8 +133,8 @@ pub(super) fn around(items: &[Item]) -> Box32 {
     in_chunks(items, one, Box32::EMPTY, Box32::union)
 }
 
-/// A quantity of a range from those of its parts; of a large range by all threads. The order must not matter to
-/// `combine`, so that the result is the same for any number of threads.
+/// A quantity of a range from those of its parts; of a large range by all threads. The order must
+/// not matter to `combine`, so that the result is the same for any number of threads.
 fn in_chunks<T: Copy + Send + Sync>(
     items: &[Item],
     one: impl Fn(&[Item]) -> T + Send + Sync,
@@ -192,7 +196,8 @@ impl<const N: usize> Grid<N> {
             })
         };
         let Box32 { low, high } = in_chunks(items, one, Box32::EMPTY, Box32::union);
-        // A scale of zero puts everything into one bin, which leaves nothing to split along that axis.
+        // A scale of zero puts everything into one bin, which leaves nothing to split along that
+        // axis.
         let scale = arrays::from_fn(|k| {
             let scale = N as f32 / (high[k] - low[k]);
             if k < 3 && scale.is_finite() { scale } else { 0.0 }
@@ -208,7 +213,8 @@ impl<const N: usize> Grid<N> {
     #[inline(always)]
     fn bin(&self, item: &Item, axis: usize) -> usize {
         let position = (item.0.middle()[axis] - self.low[axis]) * self.scale[axis];
-        // By way of i32, for which there is an instruction; it is not below 0 nor above the number of bins.
+        // By way of i32, for which there is an instruction; it is not below 0 nor above the number
+        // of bins.
         (position as i32 as usize).min(N - 1)
     }
 
@@ -258,8 +264,8 @@ pub(super) struct Split {
     pub(super) right: Box32,
 }
 
-/// Reorders a range so that it falls into the two parts of least expected cost; `None` when no plane separates
-/// the middles.
+/// Reorders a range so that it falls into the two parts of least expected cost; `None` when no
+/// plane separates the middles.
 pub(super) fn split(items: &mut [Item], block: Block) -> Option<Split> {
     if items.len() < SMALL {
         Grid::<FEWER_BINS>::split(items, block)
@@ -300,7 +306,8 @@ fn cheapest<const N: usize>(bins: &Bins<N>, block: Block) -> Option<Cut> {
     best.1
 }
 
-/// Puts those that are left in front; returns their number. Without a branch: what is left cannot be foretold.
+/// Puts those that are left in front; returns their number. Without a branch: what is left cannot
+/// be foretold.
 fn partition(items: &mut [Item], is_left: impl Fn(&Item) -> bool) -> usize {
     let mut left = 0;
     for k in 0..items.len() {

@@ -1,16 +1,18 @@
-//! Makes a tree of 16-wide nodes of a binary tree: the one with the smallest sum of the surfaces of all wide nodes.
+//! Makes a tree of 16-wide nodes of a binary tree: the one with the smallest sum of the surfaces of
+//! all wide nodes.
 //!
 //! As a multiple of the root's surface, that sum is how many nodes a ray visits on average.
 //!
-//! 1. From the leaves up: for each binary node and each number of places from 1 to 16, find what its subtree costs at
-//!    least if it takes up that many places among the children of a wide node (dynamic programming). With one place it
-//!    is a wide node itself.
+//! 1. From the leaves up: for each binary node and each number of places from 1 to 16, find what
+//!    its subtree costs at least if it takes up that many places among the children of a wide node
+//!    (dynamic programming). With one place it is a wide node itself.
 //! 2. Keep how many of the places go to the first part ([`Plan`]).
 //! 3. From the root down: follow the plans, and gather the children of each wide node.
 //!
-//! Ylitie, Karras and Laine, "Efficient Incoherent Ray Traversal on GPUs Through Compressed Wide BVHs", High
-//! Performance Graphics 2017. It departs in that leaves are those of the binary tree: their cost depends on no choice,
-//! so only nodes count. Costs are float32, so a choice is the best but for their rounding.
+//! Ylitie, Karras and Laine, "Efficient Incoherent Ray Traversal on GPUs Through Compressed Wide
+//! BVHs", High Performance Graphics 2017. It departs in that leaves are those of the binary tree:
+//! their cost depends on no choice, so only nodes count. Costs are float32, so a choice is the best
+//! but for their rounding.
 
 use super::binary::BinaryNode;
 use super::binned_sah::Box32;
@@ -18,14 +20,15 @@ use crate::accel::node::{LEAF, Node, WIDTH};
 use crate::geometry::arrays;
 use crate::memory;
 
-/// The wide nodes, and each leaf's range of the order: where it starts, and how many triangles it has.
+/// The wide nodes, and each leaf's range of the order: where it starts, and how many triangles it
+/// has.
 pub(super) struct Wide {
     pub(super) nodes: Vec<Node>,
     pub(super) ranges: Vec<(u32, u32)>,
 }
 
-/// The wide tree of a binary one, whose root is first; children stand behind their parents. Where `is_stopped` says so, and it must say
-/// so from then on, the tree is not whole.
+/// The wide tree of a binary one, whose root is first; children stand behind their parents. Where
+/// `is_stopped` says so, and it must say so from then on, the tree is not whole.
 pub(super) fn collapse(binary: &[BinaryNode], is_stopped: impl Fn() -> bool + Sync) -> Wide {
     /// The number of nodes between two questions whether to stop.
     const CHUNK: usize = 1 << 12;
@@ -73,9 +76,10 @@ impl Node {
 
 /// The plan of an inner node of a binary tree: the split of a wide node's places between its parts.
 ///
-/// At index `p - 1`, for 2 to 16 places p among the children of a wide node: how many of them go to its first part (the
-/// others go to the second), or 0 if it becomes a wide node itself, which takes one place. With one place it always
-/// becomes one. So index 0 has something else: as a wide node, how many of its own sixteen places go to its first part.
+/// At index `p - 1`, for 2 to 16 places p among the children of a wide node: how many of them go to
+/// its first part (the others go to the second), or 0 if it becomes a wide node itself, which takes
+/// one place. With one place it always becomes one. So index 0 has something else: as a wide node,
+/// how many of its own sixteen places go to its first part.
 type Plan = [u8; WIDTH];
 
 /// The cost of a subtree among the children of a wide node: the surfaces of the wide nodes in it.
@@ -101,7 +105,8 @@ fn plans(binary: &[BinaryNode], is_stopped: &IsStopped<'_>) -> Vec<Plan> {
     plans
 }
 
-/// Makes the plans of a node and of those `below` it, which stand together. The recursion is no deeper than the tree.
+/// Makes the plans of a node and of those `below` it, which stand together. The recursion is no
+/// deeper than the tree.
 fn weigh(
     binary: &[BinaryNode],
     node: u32,
@@ -234,8 +239,8 @@ mod tests {
         BinaryNode { bounds, first: index(first) + 1, count: 0 }
     }
 
-    /// The least that the surfaces of wide nodes can come to: of all choices of inner nodes the cheapest of which none
-    /// has more children than there is room for.
+    /// The least that the surfaces of wide nodes can come to: of all choices of inner nodes the
+    /// cheapest of which none has more children than there is room for.
     fn least(binary: &[BinaryNode]) -> f64 {
         let inner: Vec<usize> = (1..binary.len()).filter(|&k| binary[k].count == 0).collect();
         let cost_of = |choice: u32| {

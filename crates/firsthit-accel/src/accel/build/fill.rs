@@ -1,4 +1,5 @@
-//! Makes a leaf of triangles: gives each vertex that they share a lane, and each corner the lane of its vertex.
+//! Makes a leaf of triangles: gives each vertex that they share a lane, and each corner the lane of
+//! its vertex.
 
 use super::binned_sah::{Box32, larger, smaller};
 use super::weld::Sharing;
@@ -77,7 +78,8 @@ impl Filling {
 }
 
 impl Meshlet {
-    /// The leaf of at most sixteen triangles, which stand at `first` in the order and [fit](Sharing::fits).
+    /// The leaf of at most sixteen triangles, which stand at `first` in the order and
+    /// [fit](Sharing::fits).
     pub(super) fn new(sharing: &Sharing<'_>, triangles: &[u32], first: u32) -> Self {
         let filling = Filling::new(sharing, triangles);
         assert_eq!(filling.count(), triangles.len(), "the builder has asked whether they fit");

@@ -1,10 +1,13 @@
 //! Makes the nodes over leaves that stand along a curve.
 //!
-//! 1. Make nodes of neighbouring leaves, cut where the curve leaves the largest cube: the lowest ones, which are most of a tree. A leaf that
-//!    is large beside the others stays alone: every ray near it would visit its neighbours' node too.
-//! 2. Build a tree over those and the large leaves, and collapse it, as the full build does over all leaves.
+//! 1. Make nodes of neighbouring leaves, cut where the curve leaves the largest cube: the lowest
+//!    ones, which are most of a tree. A leaf that is large beside the others stays alone: every ray
+//!    near it would visit its neighbours' node too.
+//! 2. Build a tree over those and the large leaves, and collapse it, as the full build does over
+//!    all leaves.
 //!
-//! Pantaleoni and Luebke, "HLBVH: Hierarchical LBVH Construction for Real-Time Ray Tracing", High Performance Graphics 2010.
+//! Pantaleoni and Luebke, "HLBVH: Hierarchical LBVH Construction for Real-Time Ray Tracing", High
+//! Performance Graphics 2010.
 
 use std::ops::Range;
 
@@ -19,7 +22,8 @@ use crate::memory;
 #[derive(Clone, Copy)]
 pub(super) struct LeafOnCurve {
     pub(super) bounds: Box32,
-    /// The size of the cube between it and the leaf before: the number of bits of [`gap`](super::morton::Curve::gap).
+    /// The size of the cube between it and the leaf before: the number of bits of
+    /// [`gap`](super::morton::Curve::gap).
     pub(super) gap: u32,
 }
 
@@ -31,8 +35,8 @@ pub(super) fn cut(run: usize, gap: impl Fn(usize) -> u32) -> usize {
     places.max_by_key(|&k| gap(k)).unwrap_or(run)
 }
 
-/// The nodes over leaves, the root first, children after their parents. The index of a leaf is that in `leaves`. Those above
-/// the half surface `large` are large.
+/// The nodes over leaves, the root first, children after their parents. The index of a leaf is that
+/// in `leaves`. Those above the half surface `large` are large.
 pub(super) fn nodes(leaves: &[LeafOnCurve], large: f64) -> Vec<Node> {
     let is_large = |leaf: &LeafOnCurve| leaf.bounds.half_area() > large;
     let mut groups = Vec::new();

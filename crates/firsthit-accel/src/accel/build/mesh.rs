@@ -2,15 +2,16 @@
 //!
 //! 1. Bring the vertices into the tree's space, as float32 (`space.rs`).
 //! 2. Decide whether vertices in one place are one to a leaf (`weld.rs`).
-//! 3. Build a binary tree over the triangles' boxes (`binary.rs`). A range is a leaf when it has at most sixteen
-//!    triangles over at most sixteen vertices.
+//! 3. Build a binary tree over the triangles' boxes (`binary.rs`). A range is a leaf when it has at
+//!    most sixteen triangles over at most sixteen vertices.
 //! 4. Find better places for its large subtrees (`reinsert.rs`).
 //! 5. Collapse it to nodes of sixteen children (`collapse.rs`).
 //! 6. Fill the leaves (`fill.rs`).
 //!
 //! For few rays another build (`quick.rs`) takes the place of steps 3 to 6. Both end with:
 //!
-//! 7. List the copies: triangles that are in no leaf, since a lower one has the same corners and wins every tie.
+//! 7. List the copies: triangles that are in no leaf, since a lower one has the same corners and
+//!    wins every tie.
 
 use std::collections::HashMap;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering::Relaxed};
@@ -34,7 +35,8 @@ use crate::shape::Mesh;
 use crate::watch::Watch;
 
 impl MeshTree {
-    /// The tree of a mesh that is empty, has a coordinate beyond 1e90 ([`Space::new`]) or needs more than [`MOST_LEAVES`].
+    /// The tree of a mesh that is empty, has a coordinate beyond 1e90 ([`Space::new`]) or needs
+    /// more than [`MOST_LEAVES`].
     fn without_nodes(mesh: &Mesh) -> Self {
         Self {
             space: Space { origin: DVec3::ZERO, scale: 1.0, unscale: 1.0 },
@@ -51,13 +53,14 @@ impl MeshTree {
         }
     }
 
-    /// The tree over the triangles of `mesh`, by all threads of the current rayon pool, and the same for any number of them.
+    /// The tree over the triangles of `mesh`, by all threads of the current rayon pool, and the
+    /// same for any number of them.
     pub fn build(mesh: &Mesh) -> Self {
         Self::build_by(mesh, full, &Building::new(&()))
     }
 
-    /// Builds a tree as `watch` is told of each triangle. A quick one takes a third to a half of the time: it is not
-    /// the best one, with equal answers. See `quick.rs`.
+    /// Builds a tree as `watch` is told of each triangle. A quick one takes a third to a half of
+    /// the time: it is not the best one, with equal answers. See `quick.rs`.
     ///
     /// # Errors
     ///

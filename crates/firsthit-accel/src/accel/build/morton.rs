@@ -1,14 +1,14 @@
 //! Puts the triangles of a mesh in the order of a space-filling curve.
 //!
-//! 1. Lay a grid over the middles of the triangles' boxes, with cubes for cells. A cell's number has the bits of its
-//!    three coordinates in turn: Morton, "A Computer Oriented Geodetic Data Base and a New Technique in File
-//!    Sequencing", IBM 1966.
+//! 1. Lay a grid over the middles of the triangles' boxes, with cubes for cells. A cell's number
+//!    has the bits of its three coordinates in turn: Morton, "A Computer Oriented Geodetic Data
+//!    Base and a New Technique in File Sequencing", IBM 1966.
 //! 2. Make a key of each triangle: its cell's number, and below that its own index.
-//! 3. Sort the keys by the cells' numbers, digit by digit: large ranges by their highest digit and by all threads, small
-//!    ones by one thread, from the lowest digit on.
+//! 3. Sort the keys by the cells' numbers, digit by digit: large ranges by their highest digit and
+//!    by all threads, small ones by one thread, from the lowest digit on.
 //!
-//! Each step keeps the order of what it does not tell apart, so keys end in the order of all their bits, for any
-//! number of threads.
+//! Each step keeps the order of what it does not tell apart, so keys end in the order of all their
+//! bits, for any number of threads.
 
 use rayon::prelude::*;
 
@@ -34,8 +34,8 @@ impl Curve {
     pub(super) fn new(sharing: &Sharing<'_>, around: Box32) -> Self {
         let count = sharing.triangles.len();
         let index_bits = u32::BITS - u32::try_from(count).unwrap_or(u32::MAX).leading_zeros();
-        // If the triangles form a surface, half as many bits as the index has give about one triangle a cell. Three more are for
-        // triangles that are not evenly spread.
+        // If the triangles form a surface, half as many bits as the index has give about one
+        // triangle a cell. Three more are for triangles that are not evenly spread.
         let bits = (index_bits / 2 + 3).min((u64::BITS - index_bits) / 3).min(MOST_BITS);
         let grid = Grid::new(around, bits);
         let key = |index: u32| grid.cell(sharing.triangle(index)) << index_bits | u64::from(index);
@@ -128,8 +128,8 @@ const SMALL: usize = 512;
 /// The most bits of a radix sort's digit: the places of its values stay in the first cache.
 const DIGIT: u32 = 11;
 
-/// Sorts keys that are in the order of their bits below `low` by the `bits` from there on. They end in `spare` or
-/// where they were.
+/// Sorts keys that are in the order of their bits below `low` by the `bits` from there on. They end
+/// in `spare` or where they were.
 fn sort(keys: &mut [u64], spare: &mut [u64], [low, bits]: [u32; 2], into_spare: bool) {
     if keys.len() < LARGE || bits == 0 {
         return sort_small(keys, spare, [low, bits], into_spare);

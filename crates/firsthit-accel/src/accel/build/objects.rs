@@ -13,8 +13,9 @@ use crate::geometry::{Bounds, DVec3};
 use crate::parallel;
 use crate::watch::Watch;
 
-/// Boxes without anything in them that the builder must know. A ray comes to all boxes of a leaf, and to enter the mesh of one takes
-/// longer than to test more boxes of the tree: so a leaf is one box.
+/// Boxes without anything in them that the builder must know. A ray comes to all boxes of a leaf,
+/// and to enter the mesh of one takes longer than to test more boxes of the tree: so a leaf is one
+/// box.
 struct Boxes<'a>(&'a Building<'a>);
 
 impl Primitives for Boxes<'_> {
@@ -32,12 +33,12 @@ impl Primitives for Boxes<'_> {
 }
 
 impl Bvh {
-    /// The tree over the boxes `bounds(0)` to `bounds(count - 1)`, which are finite. Empty ones are left out. `bounds`
-    /// is called once for each. `slack` is what the test of a candidate rounds, as a share of the coordinates it works
-    /// with.
+    /// The tree over the boxes `bounds(0)` to `bounds(count - 1)`, which are finite. Empty ones are
+    /// left out. `bounds` is called once for each. `slack` is what the test of a candidate rounds,
+    /// as a share of the coordinates it works with.
     ///
-    /// Built by all threads of the current rayon pool, and the same for any number of them. Fewer than 65,536 boxes are
-    /// the calling thread's alone, and need no pool.
+    /// Built by all threads of the current rayon pool, and the same for any number of them. Fewer
+    /// than 65,536 boxes are the calling thread's alone, and need no pool.
     pub fn build(count: u32, bounds: impl Fn(u32) -> Bounds + Sync, slack: f64) -> Self {
         Self::build_by(count, bounds, slack, &Building::new(&()))
     }
@@ -99,8 +100,9 @@ impl Bvh {
         tree
     }
 
-    /// Fits the tree to one box that has moved, to a finite place: from its leaf up to the root, the boxes around it change. `false` where
-    /// it is so far away that the tree must be built anew.
+    /// Fits the tree to one box that has moved, to a finite place: from its leaf up to the root,
+    /// the boxes around it change. `false` where it is so far away that the tree must be built
+    /// anew.
     #[doc(hidden)]
     pub fn refit(&mut self, moved: u32, bounds: Bounds) -> bool {
         let origin = self.space.origin;
@@ -292,7 +294,8 @@ mod tests {
         assert!(met(&bvh, &towards).contains(&5000));
     }
 
-    /// Whether a ray meets a box in float64, between a `t_min` of its own or its origin and its `t_max`.
+    /// Whether a ray meets a box in float64, between a `t_min` of its own or its origin and its
+    /// `t_max`.
     fn meets(ray: &Ray, bounds: &Bounds) -> bool {
         let inverse = ray.direction.recip();
         let (a, b) = ((bounds.low - ray.origin) * inverse, (bounds.high - ray.origin) * inverse);
@@ -300,7 +303,8 @@ mod tests {
         entry <= a.max(b).min_element().min(ray.t_max)
     }
 
-    /// Whether the boxes that a ray is said to meet are those of the exact test and others; how many both are.
+    /// Whether the boxes that a ray is said to meet are those of the exact test and others; how
+    /// many both are.
     fn judged(bvh: &Bvh, boxes: &[Bounds], ray: &Ray) -> [usize; 2] {
         let met = met(bvh, ray);
         for (k, bounds) in (0..).zip(boxes) {
@@ -371,7 +375,8 @@ mod tests {
         assert!(found < exact + exact / 4, "{found}, {exact} in float64");
     }
 
-    /// Wherever the origin is, also where float32 has no digit left for a box, or the distance leaves its range.
+    /// Wherever the origin is, also where float32 has no digit left for a box, or the distance
+    /// leaves its range.
     #[test]
     fn boxes_far_from_the_origin_are_rounded_outwards() {
         for scale in [1e-50, 1e-30, 1.0, 1e8, 1e30, 1e50, 1e300] {

@@ -1,14 +1,18 @@
-//! Makes the leaves and nodes of a mesh's tree along a curve, in a fraction of the time of `binary.rs` and `collapse.rs`.
+//! Makes the leaves and nodes of a mesh's tree along a curve, in a fraction of the time of
+//! `binary.rs` and `collapse.rs`.
 //!
 //! 1. Put the triangles in the order of a curve (`morton.rs`).
-//! 2. Make leaves of neighbours on it: as many as fit, cut in their second half where the curve leaves the largest cube.
-//! 3. Make the lowest nodes of neighbouring leaves in the same way, and a tree over those (`lowest.rs`).
+//! 2. Make leaves of neighbours on it: as many as fit, cut in their second half where the curve
+//!    leaves the largest cube.
+//! 3. Make the lowest nodes of neighbouring leaves in the same way, and a tree over those
+//!    (`lowest.rs`).
 //!
-//! The full build makes leaves of triangles that are more than a leaf has room for in one cell of the curve, as a small thing in a large
-//! scene and copies are, and of those that would be one large leaf: a wall among the small things beside it.
+//! The full build makes leaves of triangles that are more than a leaf has room for in one cell of
+//! the curve, as a small thing in a large scene and copies are, and of those that would be one
+//! large leaf: a wall among the small things beside it.
 //!
-//! Lauterbach and others, "Fast BVH Construction on GPUs", Computer Graphics Forum 28 (2), 2009, from which it departs
-//! in step 2: the hierarchy of cells would leave leaves half empty.
+//! Lauterbach and others, "Fast BVH Construction on GPUs", Computer Graphics Forum 28 (2), 2009,
+//! from which it departs in step 2: the hierarchy of cells would leave leaves half empty.
 
 use super::binary::{self, Primitives};
 use super::binned_sah::{Box32, Item};
@@ -70,8 +74,9 @@ pub(super) fn quick(triangles: &Triangles<'_>) -> Parts {
     Parts { nodes: nodes(&seen, triangles.large()), leaves, order }
 }
 
-/// The half surface from which on a leaf is large beside the others: eight times what runs of neighbours on the curve have, the median of
-/// a sample. Neighbours may be of any size, and a large one among small ones makes a large leaf of them.
+/// The half surface from which on a leaf is large beside the others: eight times what runs of
+/// neighbours on the curve have, the median of a sample. Neighbours may be of any size, and a large
+/// one among small ones makes a large leaf of them.
 fn large_beside_others(curve: &Curve, sharing: &Sharing<'_>) -> f64 {
     const TIMES: f64 = 8.0;
     const RUN: usize = 12;
@@ -92,7 +97,8 @@ fn large_beside_others(curve: &Curve, sharing: &Sharing<'_>) -> f64 {
     TIMES * *surfaces.select_nth_unstable_by(half, f64::total_cmp).1
 }
 
-/// Makes room for `more` leaves, and for those that are to be expected after them: `times` is all triangles over those so far.
+/// Makes room for `more` leaves, and for those that are to be expected after them: `times` is all
+/// triangles over those so far.
 #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a guess")]
 fn make_room(leaves: &mut Vec<Meshlet>, more: usize, times: f64) {
     let needed = leaves.len() + more;
@@ -140,7 +146,8 @@ impl<'a> CurveRange<'a> {
         }
     }
 
-    /// The [gap](Curve::gap) between a triangle and the one before it; the largest there is for the first.
+    /// The [gap](Curve::gap) between a triangle and the one before it; the largest there is for the
+    /// first.
     fn gap(&self, at: usize) -> u32 {
         let keys = self.curve.keys();
         let at = self.start + at;
@@ -252,7 +259,8 @@ mod tests {
         ]
     }
 
-    /// The number of levels, where each node and leaf has one parent, which stands before it, and is within the box there.
+    /// The number of levels, where each node and leaf has one parent, which stands before it, and
+    /// is within the box there.
     fn levels(tree: &MeshTree) -> usize {
         let mut level = vec![0; tree.nodes.len()];
         let mut leaves = HashSet::new();
@@ -330,7 +338,8 @@ mod tests {
         assert!(moved.is_quick() && levels(&moved) == levels(&built));
         assert!(built.refit(&soup(5000, 0.01, |k| place(k * k))).is_none());
     }
-    /// A wall among small things beside it made a large leaf of them, and a large node of its neighbours.
+    /// A wall among small things beside it made a large leaf of them, and a large node of its
+    /// neighbours.
     #[test]
     fn a_ray_does_not_pay_for_small_things_beside_a_wall() {
         let side = 101;

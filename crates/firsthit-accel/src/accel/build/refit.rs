@@ -1,15 +1,16 @@
 //! Fits the tree of a mesh to vertices that have moved.
 //!
-//! 1. Fill the leaves anew with the same triangles (`fill.rs`). Give up where vertices that were in one place have
-//!    parted, and are now too many for a leaf.
-//! 2. From the last node to the first, which stands before its children: take each box from what is below it.
+//! 1. Fill the leaves anew with the same triangles (`fill.rs`). Give up where vertices that were in
+//!    one place have parted, and are now too many for a leaf.
+//! 2. From the last node to the first, which stands before its children: take each box from what is
+//!    below it.
 //! 3. Give up if a ray through the root now costs half as much again as when the tree was built.
 //!
 //! The caller then builds anew. Any tree gives the same answers.
 //!
-//! Lauterbach, Yoon, Tuft and Manocha, "RT-DEFORM: Interactive Ray Tracing of Dynamic Scenes using BVHs", IEEE
-//! Symposium on Interactive Ray Tracing 2006. It departs in the measure of step 3, which is the expected cost of the
-//! whole tree.
+//! Lauterbach, Yoon, Tuft and Manocha, "RT-DEFORM: Interactive Ray Tracing of Dynamic Scenes using
+//! BVHs", IEEE Symposium on Interactive Ray Tracing 2006. It departs in the measure of step 3,
+//! which is the expected cost of the whole tree.
 
 use rayon::prelude::*;
 
@@ -27,9 +28,10 @@ use crate::shape::Mesh;
 const WORST: f64 = 1.5;
 
 impl MeshTree {
-    /// The tree of `mesh`, which has the triangles of this tree's mesh, with their vertices elsewhere. `None` where the
-    /// tree must be built anew: where a ray would cost half as much again as when it was built, where vertices of a leaf
-    /// have parted and are too many for it, and where the tree left out triangles that were in one place.
+    /// The tree of `mesh`, which has the triangles of this tree's mesh, with their vertices
+    /// elsewhere. `None` where the tree must be built anew: where a ray would cost half as much
+    /// again as when it was built, where vertices of a leaf have parted and are too many for it,
+    /// and where the tree left out triangles that were in one place.
     pub fn refit(&self, mesh: &Mesh) -> Option<Self> {
         // Where triangles were in one place, only the first of them is in the tree.
         let known = self.leaves.iter().map(|leaf| leaf.filled.count_ones());
@@ -166,8 +168,8 @@ mod tests {
         assert!(built.refit(&scattered).is_none());
     }
 
-    /// Leaves that hold a vertex once for all that were in its place are no leaves when these part; that they do by so
-    /// little that the tree would be as good as before.
+    /// Leaves that hold a vertex once for all that were in its place are no leaves when these part;
+    /// that they do by so little that the tree would be as good as before.
     #[test]
     fn what_was_together_may_part() {
         let sheet = |lift: f64| sheet(40, |x, y| 0.1 * x * y + lift);

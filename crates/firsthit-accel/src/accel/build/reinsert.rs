@@ -1,15 +1,20 @@
 //! Makes a binary tree better: takes subtrees out, and puts each where it enlarges the boxes least.
 //!
-//! 1. Of all nodes take a twentieth, those whose parents are most larger than they are: the others have little to gain.
-//! 2. For each, find the node beside which it is best put: from its parent up to the root, and down into the sibling of each node on the
-//!    way, as long as that can still gain more than the best place so far (branch and bound). All threads search in the tree as it is.
-//! 3. Carry out the moves, those that gain most first. One that touches a node of a move before it is left out.
+//! 1. Of all nodes take a twentieth, those whose parents are most larger than they are: the others
+//!    have little to gain.
+//! 2. For each, find the node beside which it is best put: from its parent up to the root, and down
+//!    into the sibling of each node on the way, as long as that can still gain more than the best
+//!    place so far (branch and bound). All threads search in the tree as it is.
+//! 3. Carry out the moves, those that gain most first. One that touches a node of a move before it
+//!    is left out.
 //! 4. Do that three times at most.
 //!
-//! Bittner, Hapala and Havran, "Fast Insertion-Based Optimization of Bounding Volume Hierarchies", Computer Graphics Forum 32 (1), 2013;
-//! Meister and Bittner, "Parallel Reinsertion for Bounding Volume Hierarchy Optimization", Computer Graphics Forum 37 (2), 2018. It departs
-//! in step 1, and in that a move must gain the subtree's own surface: smaller gains are lost again where nodes of sixteen children are
-//! made. Equal gains are in the order of the nodes, so the tree is the same for any number of threads.
+//! Bittner, Hapala and Havran, "Fast Insertion-Based Optimization of Bounding Volume Hierarchies",
+//! Computer Graphics Forum 32 (1), 2013; Meister and Bittner, "Parallel Reinsertion for Bounding
+//! Volume Hierarchy Optimization", Computer Graphics Forum 37 (2), 2018. It departs in step 1, and
+//! in that a move must gain the subtree's own surface: smaller gains are lost again where nodes of
+//! sixteen children are made. Equal gains are in the order of the nodes, so the tree is the same
+//! for any number of threads.
 
 use super::binary::{BinaryNode, DEEPEST};
 use crate::memory;
@@ -23,7 +28,8 @@ const MOST_VISITS: usize = 64;
 /// The number of searches in one task.
 const TASK: usize = 512;
 
-/// The tree with better places for some of its subtrees; for fewer when it is stopped. The leaves are the same.
+/// The tree with better places for some of its subtrees; for fewer when it is stopped. The leaves
+/// are the same.
 pub(super) fn reinsert(nodes: Vec<BinaryNode>, is_stopped: impl Fn() -> bool) -> Vec<BinaryNode> {
     let mut tree = Tree::new(&nodes);
     for _ in 0..ROUNDS {
@@ -78,7 +84,8 @@ impl Tree {
         self.node(node).bounds.half_area()
     }
 
-    /// The best move of each subtree that may gain most, where there is one; those that gain most first.
+    /// The best move of each subtree that may gain most, where there is one; those that gain most
+    /// first.
     fn moves(&self) -> Vec<Move> {
         let excess = |node: u32| self.surface(self.parent(node)) - self.surface(node);
         let roots = (0..).zip(&self.nodes).skip(1).map(|(root, _)| root);
@@ -184,7 +191,8 @@ impl Tree {
         }
     }
 
-    /// The nodes as [`Binary`](super::binary::Binary) has them; `None` where the tree has become too deep.
+    /// The nodes as [`Binary`](super::binary::Binary) has them; `None` where the tree has become
+    /// too deep.
     fn in_order(&self) -> Option<Vec<BinaryNode>> {
         let mut nodes = memory::room(self.nodes.len());
         nodes.extend(self.nodes.first());

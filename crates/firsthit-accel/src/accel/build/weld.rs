@@ -1,11 +1,13 @@
 //! Finds the vertices that the triangles of a leaf share.
 //!
-//! Vertices with one index are shared. Where a file has a vertex for each corner (as all STL files have) or for each side of a
-//! seam, also those in the same place of the tree: they are welded, without touching the mesh.
+//! Vertices with one index are shared. Where a file has a vertex for each corner (as all STL files
+//! have) or for each side of a seam, also those in the same place of the tree: they are welded,
+//! without touching the mesh.
 //!
-//! 1. Estimate in how many places the vertices are: count the distinct ones among those whose hash is below a power of
-//!    two.
-//! 2. If that is less than 7/8 of the vertices, compare vertices by place, else by index, which is faster.
+//! 1. Estimate in how many places the vertices are: count the distinct ones among those whose hash
+//!    is below a power of two.
+//! 2. If that is less than 7/8 of the vertices, compare vertices by place, else by index, which is
+//!    faster.
 //!
 //! A leaf holds only places, so no answer depends on this.
 
@@ -14,7 +16,8 @@ use crate::parallel;
 use crate::shape::Mesh;
 use crate::simd::LANES;
 
-/// The triangles of a mesh, its vertices in the tree's space, and when two of these are one to a leaf.
+/// The triangles of a mesh, its vertices in the tree's space, and when two of these are one to a
+/// leaf.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Sharing<'a> {
     pub(super) triangles: &'a [[u32; 3]],
@@ -50,9 +53,9 @@ impl<'a> Sharing<'a> {
         self.lanes(triangles, |_, _, _| {}).is_some()
     }
 
-    /// Gives each vertex a lane in a leaf of these triangles. Calls `visit` for each corner with the number of the
-    /// triangle and that of the corner, the vertex, and its lane. Returns how many lanes are taken; `None` where there
-    /// are not enough.
+    /// Gives each vertex a lane in a leaf of these triangles. Calls `visit` for each corner with
+    /// the number of the triangle and that of the corner, the vertex, and its lane. Returns how
+    /// many lanes are taken; `None` where there are not enough.
     #[inline]
     pub(super) fn lanes(
         &self,
@@ -110,8 +113,8 @@ fn mask(keys: &[u32; LANES], key: u32) -> u32 {
     bits.fold(0, |all, (k, &other)| all | u32::from(other == key) << k)
 }
 
-/// Estimates in how many places `points` are, from those whose hash is below a power of two. The same for any number of
-/// threads.
+/// Estimates in how many places `points` are, from those whose hash is below a power of two. The
+/// same for any number of threads.
 fn count_places(points: &[[f32; 3]]) -> usize {
     let bits = (points.len() / SAMPLE).max(1).ilog2();
     let mut sample: Vec<u64> = parallel::gather(points.chunks(CHUNK), |points| {
@@ -124,7 +127,8 @@ fn count_places(points: &[[f32; 3]]) -> usize {
     points.len().saturating_mul(sample.len()) / all
 }
 
-/// Multiplicative hashing (Knuth, "The Art of Computer Programming" 3, 6.4), of one coordinate after the other.
+/// Multiplicative hashing (Knuth, "The Art of Computer Programming" 3, 6.4), of one coordinate
+/// after the other.
 fn hash(point: [f32; 3]) -> u64 {
     const GOLDEN: u64 = 0x9e37_79b9_7f4a_7c15;
     // Not from 0 on: the origin, which is frequent in files, would be in every sample.

@@ -1,8 +1,9 @@
 //! Sixteen rays from the world into the space of an object, eight at a time.
 //!
-//! 1. Test that each ray is an ordinary one: valid, ahead of its origin, and with a direction that can be squared.
-//! 2. Transform its origin and its direction, operation for operation as [`Transform::ray_in_object`] does, so that the
-//!    bits are the same.
+//! 1. Test that each ray is an ordinary one: valid, ahead of its origin, and with a direction that
+//!    can be squared.
+//! 2. Transform its origin and its direction, operation for operation as
+//!    [`Transform::ray_in_object`] does, so that the bits are the same.
 //! 3. Test the transformed rays in the same way.
 
 #![expect(
@@ -15,8 +16,9 @@ use crate::geometry::{DMat3, Ray, Transform};
 use crate::simd::Lanes;
 
 impl Packet {
-    /// Takes world rays into an object's space. Returns the ordinary ones: valid in both spaces, ahead of their
-    /// origins, and with a direction that can be squared. The others are undefined afterwards.
+    /// Takes world rays into an object's space. Returns the ordinary ones: valid in both spaces,
+    /// ahead of their origins, and with a direction that can be squared. The others are undefined
+    /// afterwards.
     #[inline(always)]
     pub fn enter<L: Lanes>(&mut self, l: L, transform: &Transform) -> u16 {
         u16::from_le_bytes([self.enter_half(l, transform, 0), self.enter_half(l, transform, 1)])

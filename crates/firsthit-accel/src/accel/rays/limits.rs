@@ -1,13 +1,14 @@
 //! The ends of a packet's rays as depths in float32.
 //!
-//! A parameter `t` becomes a depth by a product, and a difference with the depth that the start was moved by, both in
-//! float64. [`Limits`] are that depth, less or plus its error and that of the depth of a hit at `t`. So each errs on
-//! its safe side.
+//! A parameter `t` becomes a depth by a product, and a difference with the depth that the start was
+//! moved by, both in float64. [`Limits`] are that depth, less or plus its error and that of the
+//! depth of a hit at `t`. So each errs on its safe side.
 //!
 //! # Error bounds
 //!
 //! - `DEPTH` times the reach, and three blurs: what `filter.rs` computes for the depth of a hit.
-//! - `ROUNDED_DEPTH` times the depth itself: the rounding of the product and the difference to float32.
+//! - `ROUNDED_DEPTH` times the depth itself: the rounding of the product and the difference to
+//!   float32.
 
 use super::packet::{Packet, RAYS, of, of_mut};
 use super::prepare::Rounding;
@@ -77,7 +78,8 @@ impl Packet {
         let (mut t_min_low, mut t_min_high) = (zero, zero);
         if begins != 0 {
             let (less, more) = ends!(t_min);
-            // Wherever the start was moved, what is ahead of it is ahead of the origin. A NaN makes nothing certain.
+            // Wherever the start was moved, what is ahead of it is ahead of the origin. A NaN makes
+            // nothing certain.
             t_min_low = l.select64(begins, l.max64(less, zero), zero);
             t_min_high = l.select64(begins, l.max64(zero, more), zero);
         }

@@ -1,7 +1,8 @@
 //! Sixteen rays in lanes: as they are, and as the tree of a mesh sees them.
 //!
-//! `enter.rs` takes them into the space of an object, `prepare.rs` makes them ready for its tree, and `limits.rs` says
-//! where they begin and end. [`TreeRay`] is one of them, with the meaning of its numbers.
+//! `enter.rs` takes them into the space of an object, `prepare.rs` makes them ready for its tree,
+//! and `limits.rs` says where they begin and end. [`TreeRay`] is one of them, with the meaning of
+//! its numbers.
 
 use std::ops::Index;
 

@@ -1,12 +1,13 @@
-//! Makes sixteen rays ready for the tree of a mesh, or for one each, eight at a time: [`TreeRay`](super::tree_ray::TreeRay) says what
-//! the numbers mean.
+//! Makes sixteen rays ready for the tree of a mesh, or for one each, eight at a time:
+//! [`TreeRay`](super::tree_ray::TreeRay) says what the numbers mean.
 //!
-//! 1. Find the axis along which the direction is longest. The others come first, so that slopes are at most 1.
-//! 2. Bring the start into the tree's space. If it is farther away than `FAR`, move it along the ray, in float64, to
-//!    two units before the point that is nearest to the tree's middle.
+//! 1. Find the axis along which the direction is longest. The others come first, so that slopes are
+//!    at most 1.
+//! 2. Bring the start into the tree's space. If it is farther away than `FAR`, move it along the
+//!    ray, in float64, to two units before the point that is nearest to the tree's middle.
 //! 3. Compute how far rounding can put the ray off: the reach and the blur (see `bounds.rs`).
-//! 4. Compute what the test of a node takes: one over the direction, and the start over the direction, moved by the
-//!    margin.
+//! 4. Compute what the test of a node takes: one over the direction, and the start over the
+//!    direction, moved by the margin.
 //! 5. Split the start into two float32, the second of which is what the first leaves out.
 //! 6. Bound the depths at which the ray begins and ends (`limits.rs`).
 //!
@@ -83,7 +84,8 @@ impl<L: Lanes> Rounding<L> {
 }
 
 impl Packet {
-    /// Makes the first `count` rays ready for the tree or trees that they are at. They are [valid](Ray::is_valid).
+    /// Makes the first `count` rays ready for the tree or trees that they are at. They are
+    /// [valid](Ray::is_valid).
     #[inline(always)]
     pub fn prepare<L: Lanes>(&mut self, l: L, trees: impl Trees, count: usize) {
         self.prepare_blurred(l, trees, count, 0.0);
@@ -231,7 +233,8 @@ fn lowest(count: usize) -> u16 {
     u16::try_from((1_u32 << count.min(RAYS)) - 1).unwrap_or(u16::MAX)
 }
 
-/// Step 2, for the rays that are `far`: their starts, moved; by which depth; and the blur after that.
+/// Step 2, for the rays that are `far`: their starts, moved; by which depth; and the blur after
+/// that.
 #[inline(always)]
 fn nearer<L: Lanes>(
     l: L,

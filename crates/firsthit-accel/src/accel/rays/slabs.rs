@@ -9,13 +9,13 @@ use crate::simd::Lanes;
 pub(in crate::accel) struct Slabs {
     /// One over the direction; finite.
     pub(in crate::accel) inverse: [f32; 3],
-    /// Minus the start over the direction, for the first and for the last plane of a box that the ray meets along each
-    /// axis. Each is moved by the margin, so that boxes seem wider.
+    /// Minus the start over the direction, for the first and for the last plane of a box that the
+    /// ray meets along each axis. Each is moved by the margin, so that boxes seem wider.
     pub(in crate::accel) ends: [[f32; 2]; 3],
 }
 
-/// A component of a direction that is smaller moves a ray by less than every margin. One over it is taken to be a huge
-/// number of its sign, which still tells inside from outside.
+/// A component of a direction that is smaller moves a ray by less than every margin. One over it is
+/// taken to be a huge number of its sign, which still tells inside from outside.
 pub(super) const SMALLEST: f64 = 1e-30;
 
 impl Slabs {
@@ -42,8 +42,9 @@ impl Slabs {
 
     /// The boxes of a node that the ray may meet at depths from `first` to `last`, and the depths.
     ///
-    /// Ize, "Robust BVH Ray Traversal", Journal of Computer Graphics Techniques 2(2), 2013. It departs in the margin:
-    /// there distances are multiplied after the test, here the two ends have it already, which costs no time.
+    /// Ize, "Robust BVH Ray Traversal", Journal of Computer Graphics Techniques 2(2), 2013. It
+    /// departs in the margin: there distances are multiplied after the test, here the two ends have
+    /// it already, which costs no time.
     #[inline(always)]
     pub(in crate::accel) fn boxes<L: Lanes>(
         &self,

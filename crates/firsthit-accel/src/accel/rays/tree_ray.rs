@@ -1,10 +1,10 @@
-//! A ray made ready for a [`MeshTree`](super::super::MeshTree): float32, in the tree's space, with bounds for all
-//! rounding.
+//! A ray made ready for a [`MeshTree`](super::super::MeshTree): float32, in the tree's space, with
+//! bounds for all rounding.
 //!
-//! A length along the ray is a *depth*: a coordinate along the axis on which the direction is longest, counted from the
-//! ray's start forwards. So the direction's other components are at most 1 for a depth of 1, and nothing leaves the
-//! range of float32. The error bounds are shares of the reach (see `bounds.rs`). That is at least 1, so products too
-//! small for float32 do no harm.
+//! A length along the ray is a *depth*: a coordinate along the axis on which the direction is
+//! longest, counted from the ray's start forwards. So the direction's other components are at most
+//! 1 for a depth of 1, and nothing leaves the range of float32. The error bounds are shares of the
+//! reach (see `bounds.rs`). That is at least 1, so products too small for float32 do no harm.
 
 use super::slabs::Slabs;
 use crate::accel::node::Node;
@@ -21,8 +21,8 @@ pub(crate) struct TreeRay {
     pub(in crate::accel) slope: [f32; 2],
     /// The direction along the third axis: 1 or -1.
     pub(in crate::accel) forwards: f32,
-    /// The part of the error that does not shrink near the start: the rounding of the start in float64, and that of the
-    /// vertices where float32 does not hold them.
+    /// The part of the error that does not shrink near the start: the rounding of the start in
+    /// float64, and that of the vertices where float32 does not hold them.
     pub(in crate::accel) blur: f32,
     pub(in crate::accel) slabs: Slabs,
 }

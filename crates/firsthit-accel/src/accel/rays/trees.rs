@@ -6,8 +6,8 @@ use crate::accel::mesh_tree::MeshTree;
 use crate::shape::Meshes;
 use crate::simd::Lanes;
 
-/// The spaces of the trees that a packet's rays are at. Those of eight rays are asked for at a time: the packet's first `half`, or its
-/// second.
+/// The spaces of the trees that a packet's rays are at. Those of eight rays are asked for at a
+/// time: the packet's first `half`, or its second.
 #[doc(hidden)]
 pub trait Trees: Copy {
     /// Units of a ray's tree in a unit of its mesh.

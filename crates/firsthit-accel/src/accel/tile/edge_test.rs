@@ -1,11 +1,12 @@
-//! The edge test of `edges.rs` for the samples of a tile, where sides are linear in the sample's place.
+//! The edge test of `edges.rs` for the samples of a tile, where sides are linear in the sample's
+//! place.
 
 use crate::accel::bounds::MEAN;
 use crate::accel::edges::{Sides, depths};
 use crate::simd::Lanes;
 
-/// The triangles that have all samples of their bounding boxes outside. A linear side is largest and smallest at
-/// corners of the box.
+/// The triangles that have all samples of their bounding boxes outside. A linear side is largest
+/// and smallest at corners of the box.
 #[inline(always)]
 pub(super) fn all_beside<L: Lanes>(
     l: L,
@@ -26,9 +27,9 @@ pub(super) fn all_beside<L: Lanes>(
     beside(l, most, least, bound)
 }
 
-/// The ranges of samples that are outside their triangles for certain: one side is below `-bound` everywhere in the
-/// range, and another above `bound`. `most` and `least` are the largest and the smallest that each side is in the
-/// range.
+/// The ranges of samples that are outside their triangles for certain: one side is below `-bound`
+/// everywhere in the range, and another above `bound`. `most` and `least` are the largest and the
+/// smallest that each side is in the range.
 #[inline(always)]
 pub(super) fn beside<L: Lanes>(
     l: L,

@@ -1,23 +1,27 @@
-//! A tile's rays as seen from a tree: the planes around them, and where a point of the tree lies in the tile's picture.
+//! A tile's rays as seen from a tree: the planes around them, and where a point of the tree lies in
+//! the tile's picture.
 //!
-//! The rays of a tile are `eye + depth * (centre + x * across + y * down)`, where x and y are pixels counted from the
-//! tile's middle; parallel ones are `eye + x * across + y * down + depth * centre`. So a point of the tree has
-//! coordinates (X, Y, Z): it is on the ray x = X / Z, y = Y / Z (parallel: x = X, y = Y), at the depth Z. The matrix
-//! that gives them is the inverse of the one with the columns `across`, `down` and `centre`.
+//! The rays of a tile are `eye + depth * (centre + x * across + y * down)`, where x and y are
+//! pixels counted from the tile's middle; parallel ones are `eye + x * across + y * down + depth *
+//! centre`. So a point of the tree has coordinates (X, Y, Z): it is on the ray x = X / Z, y = Y / Z
+//! (parallel: x = X, y = Y), at the depth Z. The matrix that gives them is the inverse of the one
+//! with the columns `across`, `down` and `centre`.
 //!
-//! 1. Bring the eye and the columns into the tree's space. Move the eye of parallel rays along them, to the tree.
-//! 2. Shear space along the axis that the tile looks along, so that the rays of the tile run nearly along it.
-//!    Coordinates across are then small where the tile is, and float32 resolves them.
+//! 1. Bring the eye and the columns into the tree's space. Move the eye of parallel rays along
+//!    them, to the tree.
+//! 2. Shear space along the axis that the tile looks along, so that the rays of the tile run nearly
+//!    along it. Coordinates across are then small where the tile is, and float32 resolves them.
 //! 3. Invert the matrix, in float64.
 //! 4. Bound what X, Y and Z may be off in float32. Give up where that is too much of a pixel.
 //! 5. Make four planes around the tile from the matrix' rows, and move them outwards by that.
-//! 6. For each leaf: place its first vertex in float64 and the others from there in float32, so that rounding depends
-//!    on the leaf's extent, neither on the tree's nor on the eye's distance
+//! 6. For each leaf: place its first vertex in float64 and the others from there in float32, so
+//!    that rounding depends on the leaf's extent, neither on the tree's nor on the eye's distance
 //!    ([`transformed`](TileFrustum::transformed)).
 //!
-//! Reshetov, Soupikov and Hurley, "Multi-Level Ray Tracing Algorithm", ACM Transactions on Graphics 24(3), 2005, for
-//! the planes; Olano and Greer, "Triangle Scan Conversion using 2D Homogeneous Coordinates", Graphics Hardware 1997,
-//! for the coordinates. It departs in the shear, which is that of `shape/triangle.rs`, and in the bounds.
+//! Reshetov, Soupikov and Hurley, "Multi-Level Ray Tracing Algorithm", ACM Transactions on Graphics
+//! 24(3), 2005, for the planes; Olano and Greer, "Triangle Scan Conversion using 2D Homogeneous
+//! Coordinates", Graphics Hardware 1997, for the coordinates. It departs in the shear, which is
+//! that of `shape/triangle.rs`, and in the bounds.
 //!
 //! # Error bounds
 //!
@@ -29,48 +33,54 @@
 //! - 3 e: the product, e, and its difference, 2 e;
 //! - |x| + 2 e: the first vertex' place, rounded;
 //! - |x|: the sum;
-//! - 2: the vertices, where float32 does not hold them, as no coordinate of the tree is larger than 1.
+//! - 2: the vertices, where float32 does not hold them, as no coordinate of the tree is larger than
+//!   1.
 //!
 //! In all 7 e (`TILE_VERTEX`) and two shares of x.
 //!
-//! **X and Y** have four shares more, of the matrix' entry, the products and the sums; where pixels are skew, of
-//! numbers larger than X and Y (`skewness`). A side counts from a sample, and its part of the six shares is in
-//! `relative`. But X and Y count from the tile's middle, which is up to 8.5 pixels from a sample: 7.5 on the grid, and
-//! one off it (`Displacements`). 6 times 8.5 shares (`TILE_PIXEL`).
+//! **X and Y** have four shares more, of the matrix' entry, the products and the sums; where pixels
+//! are skew, of numbers larger than X and Y (`skewness`). A side counts from a sample, and its part
+//! of the six shares is in `relative`. But X and Y count from the tile's middle, which is up to 8.5
+//! pixels from a sample: 7.5 on the grid, and one off it (`Displacements`). 6 times 8.5 shares
+//! (`TILE_PIXEL`).
 //!
 //! **Z** counts from the eye. It is off by the sum of these:
 //!
 //! - 7 e, as above;
 //! - 4 reaches, and three roundings of up to 4 reaches each: 16 reaches (`TILE_SIDEWAYS`);
-//! - between the corners of a triangle, seven roundings more and one of the error itself, of up to 2 reaches: 16
-//!   reaches.
+//! - between the corners of a triangle, seven roundings more and one of the error itself, of up to
+//!   2 reaches: 16 reaches.
 //!
 //! With an e of 2, that is 46 reaches at most (`TILE_DEPTH`).
 //!
-//! **A wrong Z** moves a vertex on the picture, in perspective: by its share of Z for each pixel from the tile's
-//! middle. X and Y are Z times as large, so for each of these pixels they are off by the error of Z itself. The 16
-//! reaches above are `sideways`; what they are multiplied by is a lever, in pixels:
+//! **A wrong Z** moves a vertex on the picture, in perspective: by its share of Z for each pixel
+//! from the tile's middle. X and Y are Z times as large, so for each of these pixels they are off
+//! by the error of Z itself. The 16 reaches above are `sideways`; what they are multiplied by is a
+//! lever, in pixels:
 //!
 //! - a side counts from a sample, which is up to 8.5 pixels from the middle: 12 (`TILE_LEVER`);
 //! - a plane is 7.52 pixels from it: 8 (`TILE_LEVER_OF_PLANES`);
 //! - whether the tile is sharp enough is asked for its whole width: 16 (`TILE_LEVER_OF_WIDTH`).
 //!
-//! **The 51 shares of Z** that X and Y are off (`TILE_PIXEL`) are in the bound of a side by another number, which is
-//! the same for all vertices of a leaf. Z is at most two reaches, so 51 shares of it are 102 reaches. 7 times `sideways`
-//! are 112. So the lever of a side is larger by 7 times the skewness (`TILE_LEVER_BY_SKEWNESS`).
+//! **The 51 shares of Z** that X and Y are off (`TILE_PIXEL`) are in the bound of a side by another
+//! number, which is the same for all vertices of a leaf. Z is at most two reaches, so 51 shares of
+//! it are 102 reaches. 7 times `sideways` are 112. So the lever of a side is larger by 7 times the
+//! skewness (`TILE_LEVER_BY_SKEWNESS`).
 //!
-//! **A side** is a difference of two products of X and Y. Its `size` is how far the corners are from the sample along X
-//! and Y, both together. It is off by the sum of these:
+//! **A side** is a difference of two products of X and Y. Its `size` is how far the corners are
+//! from the sample along X and Y, both together. It is off by the sum of these:
 //!
-//! - twice the size times what X and Y are off, and a little for what is quadratic in that (`TILE_SIDE_BY_ERROR`);
-//! - 30 roundings of a product of X and Y, each a quarter of the size's square at most (`TILE_SIDE_BY_SIZE`); the last 4
-//!   of them where a sample is off the grid;
+//! - twice the size times what X and Y are off, and a little for what is quadratic in that
+//!   (`TILE_SIDE_BY_ERROR`);
+//! - 30 roundings of a product of X and Y, each a quarter of the size's square at most
+//!   (`TILE_SIDE_BY_SIZE`); the last 4 of them where a sample is off the grid;
 //! - the shares of the matrix and of the shear, in the same way (`TILE_SIDE_BY_SKEW`).
 //!
-//! **Rays off the grid** by up to `off` pixels move X and Y by that times Z. The planes and the samples of a bounding box
-//! allow for all of it. If each ray's displacement is known, the sides are evaluated where the ray is: the sizes count up
-//! to there, and `rest`, the rounding of the displacements, takes the place of `off`. Where a side is bounded for a range
-//! of samples at once, it may change by the largest displacement times its slopes.
+//! **Rays off the grid** by up to `off` pixels move X and Y by that times Z. The planes and the
+//! samples of a bounding box allow for all of it. If each ray's displacement is known, the sides
+//! are evaluated where the ray is: the sizes count up to there, and `rest`, the rounding of the
+//! displacements, takes the place of `off`. Where a side is bounded for a range of samples at once,
+//! it may change by the largest displacement times its slopes.
 
 use crate::accel::bounds::{
     BLUR, TILE_ANY_VERTEX, TILE_DEPTH, TILE_LEVER, TILE_LEVER_BY_SKEWNESS, TILE_LEVER_OF_PLANES,
@@ -90,7 +100,8 @@ pub(super) const HALF: f32 = 7.5;
 #[derive(Debug, Clone, Copy)]
 #[doc(hidden)]
 pub struct TileCamera {
-    /// The point in which the rays meet; of parallel rays, the start of the one in the tile's middle.
+    /// The point in which the rays meet; of parallel rays, the start of the one in the tile's
+    /// middle.
     pub eye: DVec3,
     /// The vector from there to the tile's middle on the viewplane.
     pub centre: DVec3,
@@ -119,8 +130,8 @@ pub struct TileFrustum {
     slope: [f32; 2],
     /// The rows of the map from sheared coordinates to X, Y and Z.
     rows: [[f32; 3]; 3],
-    /// The planes around the tile: normals along the axes of space, towards the inside, and the least that a point
-    /// inside comes to.
+    /// The planes around the tile: normals along the axes of space, towards the inside, and the
+    /// least that a point inside comes to.
     planes: [([f32; 3], f32); 4],
     /// The gradient of the depth.
     depth: [f32; 3],
@@ -130,15 +141,17 @@ pub struct TileFrustum {
     pub(super) start_depth: f32,
     /// The depth that the eye of parallel rays was moved by.
     slid: f32,
-    /// The error of X and Y, and its increase for each unit of a leaf's extent; that by a wrong Z is included.
+    /// The error of X and Y, and its increase for each unit of a leaf's extent; that by a wrong Z
+    /// is included.
     error: f32,
     error_per_extent: f32,
     /// The error of X and Y as a share of Z, in perspective.
     pub(super) share: f32,
     /// The error of a depth.
     pub(super) depth_error: f32,
-    /// The error of a side is `(absolute + relative * size) * size`. A leaf adds its part to `absolute`. The size is
-    /// how far the corners are from a sample along X and Y at most, both together, times Z.
+    /// The error of a side is `(absolute + relative * size) * size`. A leaf adds its part to
+    /// `absolute`. The size is how far the corners are from a sample along X and Y at most, both
+    /// together, times Z.
     absolute: f32,
     pub(super) relative: f32,
 }
@@ -184,8 +197,8 @@ impl TileFrustum {
         let sum = |row: DVec3| row.abs().element_sum();
         let u = f64::from(U);
         let blur = 4.0 * BLUR * (camera.largest * space.scale + far + reach);
-        // The error of the rays themselves. In perspective it is largest at the tree's largest depth. Of parallel rays
-        // it has any direction, so it counts along the depth too.
+        // The error of the rays themselves. In perspective it is largest at the tree's largest
+        // depth. Of parallel rays it has any direction, so it counts along the depth too.
         let [x, y, depth] = arrays::map(rows, unsheared);
         let (off, rest, off_along) = if camera.is_perspective {
             let farthest = 1.001 * (sum(depth) - depth.dot(eye)).max(0.0);
@@ -217,8 +230,8 @@ impl TileFrustum {
         };
         let skew = across_both * (sum(columns[0]) + sum(columns[1]));
         let is_in_range = skew < 1e4 && reach < 1e3 && (1e-12..1e12).contains(&sum(rows[2]));
-        // Give up where X and Y may be off by a fifth of a pixel even at the tree's far side: most samples would be
-        // undecided.
+        // Give up where X and Y may be off by a fifth of a pixel even at the tree's far side: most
+        // samples would be undecided.
         let far_depth = if camera.is_perspective { 0.1 * sum(rows[2]) } else { 1.0 };
         let is_sharp = rounding + across_both * TILE_ANY_VERTEX + TILE_LEVER_OF_WIDTH * sideways
             < 0.2 * far_depth.max(1e-30);

@@ -1,16 +1,20 @@
-//! The triangles of a leaf into a tile's visibility buffer: which pixels meet which triangles, and where are these
-//! nearest?
+//! The triangles of a leaf into a tile's visibility buffer: which pixels meet which triangles, and
+//! where are these nearest?
 //!
-//! 1. Bring the leaf's vertices into the tile's coordinates (`frustum.rs`), and find the samples in each triangle's
-//!    bounding box.
-//! 2. Set up the sides of all sixteen triangles' edges, a triangle in each lane. A side is linear in the sample's
-//!    place.
-//! 3. Test the samples of triangles that have up to 2 x 2 of them, still a triangle in each lane (`raster/small.rs`).
-//! 4. Test larger triangles block by block of 4 x 4 pixels, a pixel in each lane (`raster/large.rs`).
-//! 5. Where the edge test and the depths leave open which triangle a pixel meets first, ask the [`ExactTest`].
+//! 1. Bring the leaf's vertices into the tile's coordinates (`frustum.rs`), and find the samples in
+//!    each triangle's bounding box.
+//! 2. Set up the sides of all sixteen triangles' edges, a triangle in each lane. A side is linear
+//!    in the sample's place.
+//! 3. Test the samples of triangles that have up to 2 x 2 of them, still a triangle in each lane
+//!    (`raster/small.rs`).
+//! 4. Test larger triangles block by block of 4 x 4 pixels, a pixel in each lane
+//!    (`raster/large.rs`).
+//! 5. Where the edge test and the depths leave open which triangle a pixel meets first, ask the
+//!    [`ExactTest`].
 //!
-//! Olano and Greer, "Triangle Scan Conversion using 2D Homogeneous Coordinates", Graphics Hardware 1997. It departs in
-//! that every number has an error bound (see `frustum.rs`), and the exact test decides what lies within it.
+//! Olano and Greer, "Triangle Scan Conversion using 2D Homogeneous Coordinates", Graphics
+//! Hardware 1997. It departs in that every number has an error bound (see `frustum.rs`), and the
+//! exact test decides what lies within it.
 
 mod large;
 mod small;
@@ -43,8 +47,8 @@ pub(super) struct LeafRaster<'a, A> {
     pub(super) changed: u16,
 }
 
-/// Sides of the three edges for sixteen triangles, each linear in the place of a sample relative to the
-/// triangle's first: `constant + column * across + row * down`.
+/// Sides of the three edges for sixteen triangles, each linear in the place of a sample relative to
+/// the triangle's first: `constant + column * across + row * down`.
 #[repr(C, align(64))]
 #[derive(Debug, Default)]
 struct Edges {
@@ -53,8 +57,8 @@ struct Edges {
     down: [[f32; LANES]; 3],
 }
 
-/// The leaf's triangles in arrays, to take single ones from. Entries that a leaf does not write are those of an earlier
-/// leaf.
+/// The leaf's triangles in arrays, to take single ones from. Entries that a leaf does not write are
+/// those of an earlier leaf.
 #[repr(C, align(64))]
 #[derive(Debug, Default)]
 pub(super) struct RasterScratch {
@@ -73,7 +77,8 @@ pub(super) struct RasterScratch {
 }
 
 impl<A: ExactTest> LeafRaster<'_, A> {
-    /// Puts the leaf's triangles into the buffer where they are nearest. All of the leaf is at depths from `entry` on.
+    /// Puts the leaf's triangles into the buffer where they are nearest. All of the leaf is at
+    /// depths from `entry` on.
     #[inline(always)]
     #[expect(
         clippy::too_many_lines,

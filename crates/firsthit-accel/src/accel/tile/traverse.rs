@@ -6,8 +6,9 @@
 //! 3. At a leaf, rasterise its triangles into the tile's [`VisibilityBuffer`] (`raster.rs`).
 //! 4. Where float32 cannot tell which triangle of a pixel is nearer, ask the [`ExactTest`].
 //!
-//! Reshetov, Soupikov and Hurley, "Multi-Level Ray Tracing Algorithm", ACM Transactions on Graphics 24(3), 2005. It
-//! departs in the leaves, where triangles are rasterised, and no ray is traversed alone.
+//! Reshetov, Soupikov and Hurley, "Multi-Level Ray Tracing Algorithm", ACM Transactions on Graphics
+//! 24(3), 2005. It departs in the leaves, where triangles are rasterised, and no ray is traversed
+//! alone.
 
 use super::frustum::TileFrustum;
 use super::raster::{LeafRaster, RasterScratch};

@@ -1,10 +1,11 @@
-//! The visibility buffer of a tile: for each pixel the triangle that is nearest so far, and between which depths.
+//! The visibility buffer of a tile: for each pixel the triangle that is nearest so far, and between
+//! which depths.
 //!
-//! It has a pixel's triangle, and not where or how it is met: that is computed once, when the tile is complete
-//! (`shoot/tiles/resolve.rs`).
+//! It has a pixel's triangle, and not where or how it is met: that is computed once, when the tile
+//! is complete (`shoot/tiles/resolve.rs`).
 //!
-//! Burns and Hunt, "The Visibility Buffer: A Cache-Friendly Approach to Deferred Shading", Journal of Computer Graphics
-//! Techniques 2(2), 2013. It departs in that a depth is an interval.
+//! Burns and Hunt, "The Visibility Buffer: A Cache-Friendly Approach to Deferred Shading", Journal
+//! of Computer Graphics Techniques 2(2), 2013. It departs in that a depth is an interval.
 
 use crate::simd::{LANES, Lanes};
 
@@ -12,8 +13,8 @@ use crate::simd::{LANES, Lanes};
 #[doc(hidden)]
 pub const TILE: usize = BLOCK * BLOCK;
 
-/// Pixels across and down a block, and blocks across and down a tile. The blocks of a tile have a lane each, and so
-/// have the pixels of a block: row by row, from the left to the right.
+/// Pixels across and down a block, and blocks across and down a tile. The blocks of a tile have a
+/// lane each, and so have the pixels of a block: row by row, from the left to the right.
 #[doc(hidden)]
 pub const BLOCK: usize = 4;
 

@@ -1,10 +1,10 @@
 //! All crossings: where does a ray cross the triangles of a mesh?
 //!
 //! 1. Drop a candidate that is before `t_min`, by its depths.
-//! 2. A candidate that is certain to be met, and certainly beyond `t_min`, waits with those of other rays until there are eight.
-//!    Then compute in lanes where all are met ([`EightPairs`]).
-//! 3. For any other candidate the exact test decides, and says where. At an edge it takes one neighbour
-//!    (`triangle/crossed.rs`).
+//! 2. A candidate that is certain to be met, and certainly beyond `t_min`, waits with those of
+//!    other rays until there are eight. Then compute in lanes where all are met ([`EightPairs`]).
+//! 3. For any other candidate the exact test decides, and says where. At an edge it takes one
+//!    neighbour (`triangle/crossed.rs`).
 //! 4. The copies of a triangle, which the tree leaves out, are met in the same place.
 //!
 //! The crossings of a ray are an unordered list in thread-local memory.
@@ -109,7 +109,8 @@ thread_local! {
     static SPARE: Cell<Vec<Node>> = const { Cell::new(Vec::new()) };
 }
 
-/// A list of crossings in memory of this thread's, the last one first. It is valid within one [`CrossingList::gather`].
+/// A list of crossings in memory of this thread's, the last one first. It is valid within one
+/// [`CrossingList::gather`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[doc(hidden)]
 pub struct CrossingList {
@@ -119,10 +120,11 @@ pub struct CrossingList {
 impl CrossingList {
     pub const EMPTY: Self = Self { last: u32::MAX };
 
-    /// Calls `work`, which makes lists, and forgets these. Returns also whether all crossings had room.
+    /// Calls `work`, which makes lists, and forgets these. Returns also whether all crossings had
+    /// room.
     ///
-    /// `work` may come back here on the same thread: rays may be computed by other queries, and a thread that waits for
-    /// others takes over what these have left.
+    /// `work` may come back here on the same thread: rays may be computed by other queries, and a
+    /// thread that waits for others takes over what these have left.
     pub fn gather<T>(work: impl FnOnce() -> T) -> (T, bool) {
         let outer = GATHERED.replace(Gathered::new(SPARE.take()));
         let made = work();
@@ -144,7 +146,8 @@ impl CrossingList {
         GATHERED.with_borrow_mut(|gathered| gathered.add(self, crossing));
     }
 
-    /// Adds the crossing with a triangle that the ray meets for certain; where may be computed later.
+    /// Adds the crossing with a triangle that the ray meets for certain; where may be computed
+    /// later.
     #[inline(always)]
     fn push_certain<L: Lanes>(
         &mut self,
@@ -200,7 +203,8 @@ impl CrossingList {
         }
     }
 
-    /// Calls `see` with each node of the list, the last one first, once [all are finished](Self::finish_all). It may add no crossing.
+    /// Calls `see` with each node of the list, the last one first, once [all are
+    /// finished](Self::finish_all). It may add no crossing.
     pub fn each(self, mut see: impl FnMut(&Node)) {
         GATHERED.with_borrow(|all| {
             let mut index = self.last;

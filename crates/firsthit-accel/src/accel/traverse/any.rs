@@ -1,7 +1,8 @@
 //! Any hit: does a ray meet anything?
 //!
 //! 1. Drop a candidate that is before `t_min`, by its depths.
-//! 2. A candidate that is certain to be met, and certainly between `t_min` and `t_max`, ends the traversal.
+//! 2. A candidate that is certain to be met, and certainly between `t_min` and `t_max`, ends the
+//!    traversal.
 //! 3. For any other candidate the exact test decides.
 
 use super::mesh_packet::MeshRay;
@@ -21,7 +22,8 @@ pub struct Any {
 
 /// The limit of a ray that has met something. No query begins with it.
 const FOUND: f32 = -2.0;
-/// A limit below this is raised to it, so that none is taken for [`FOUND`]. A ray with a negative limit meets nothing.
+/// A limit below this is raised to it, so that none is taken for [`FOUND`]. A ray with a negative
+/// limit meets nothing.
 const NOTHING: f32 = -1.0;
 
 impl MeshQuery for Any {
@@ -93,8 +95,8 @@ impl Visitor for Any {
     }
 }
 
-/// Whether a ray meets one of some triangles of a leaf, by the exact test. A function of its own: it is rarely called, and
-/// inlined it would take registers from the traversal.
+/// Whether a ray meets one of some triangles of a leaf, by the exact test. A function of its own:
+/// it is rarely called, and inlined it would take registers from the traversal.
 struct MeetsOneOf<'a> {
     ray: &'a MeshRay<'a>,
     leaf: &'a Meshlet,

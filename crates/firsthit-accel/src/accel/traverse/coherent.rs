@@ -1,15 +1,17 @@
 //! Sixteen rays together through the tree of a mesh: neighbours that go nearly the same way.
 //!
-//! 1. Put planes around the rays of the packet ([`PacketFrustum`]); give up when they do not go the same way at all.
+//! 1. Put planes around the rays of the packet ([`PacketFrustum`]); give up when they do not go the
+//!    same way at all.
 //! 2. At a node, test its sixteen boxes against the planes, and continue with the nearest one that
 //!    is left.
-//! 3. At a leaf, test its sixteen triangles against the planes, then each one that is left against the sixteen rays.
+//! 3. At a leaf, test its sixteen triangles against the planes, then each one that is left against
+//!    the sixteen rays.
 //! 4. Give up when that comes to more work than the rays alone would be.
 //!
-//! Boulos, Wald and Shirley, "Geometric and Arithmetic Culling Methods for Entire Ray Packets", technical report
-//! UUCS-06-010, University of Utah, 2006; Reshetov, Soupikov and Hurley, "Multi-Level Ray Tracing Algorithm", ACM
-//! Transactions on Graphics 24(3), 2005. It departs in step 4: there the caller knows which rays are coherent, here
-//! trying finds out.
+//! Boulos, Wald and Shirley, "Geometric and Arithmetic Culling Methods for Entire Ray Packets",
+//! technical report UUCS-06-010, University of Utah, 2006; Reshetov, Soupikov and Hurley,
+//! "Multi-Level Ray Tracing Algorithm", ACM Transactions on Graphics 24(3), 2005. It departs in
+//! step 4: there the caller knows which rays are coherent, here trying finds out.
 
 use super::deferred::Deferred;
 use super::frustum::PacketFrustum;
@@ -25,7 +27,8 @@ use crate::simd::{Aligned, LANES, Lanes, set_bits};
 /// triangle that is tested 1.
 const BUDGET: u32 = 16;
 
-/// Answers the open rays of a packet. Returns `false` when it gave up; some rays may then be open still.
+/// Answers the open rays of a packet. Returns `false` when it gave up; some rays may then be open
+/// still.
 #[inline(always)]
 pub(super) fn coherent<'a, L: Lanes, Q: MeshQuery>(
     l: L,

@@ -2,9 +2,11 @@
 //!
 //! 1. Drop a candidate that is before `t_min`, by its depths.
 //! 2. Count a candidate that is certain to be met, and certainly between `t_min` and `t_max`.
-//! 3. For any other candidate the exact test decides. At an edge it counts one neighbour (`triangle/crossed.rs`).
+//! 3. For any other candidate the exact test decides. At an edge it counts one neighbour
+//!    (`triangle/crossed.rs`).
 //!
-//! A triangle counts once for itself and once for each copy in its place, which the tree leaves out.
+//! A triangle counts once for itself and once for each copy in its place, which the tree leaves
+//! out.
 
 use super::mesh_packet::MeshRay;
 use super::query::{MeshQuery, Visitor, visit_each};

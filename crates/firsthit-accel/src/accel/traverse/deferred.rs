@@ -1,9 +1,10 @@
 //! Rays whose triangle is known, intersected eight at a time.
 //!
-//! 1. A first hit mostly ends with a triangle that is certain to be met, of which only `t` and the weights are missing.
-//!    Gather such rays, of any packets.
-//! 2. When there are eight and one more comes, or none is left to come, compute all in lanes ([`EightPairs`]). Until then the last one
-//!    has reached memory: lanes that are loaded right after a part of them is stored would wait for it.
+//! 1. A first hit mostly ends with a triangle that is certain to be met, of which only `t` and the
+//!    weights are missing. Gather such rays, of any packets.
+//! 2. When there are eight and one more comes, or none is left to come, compute all in lanes
+//!    ([`EightPairs`]). Until then the last one has reached memory: lanes that are loaded right
+//!    after a part of them is stored would wait for it.
 //! 3. Compute the few that need more than float64 one by one.
 
 use std::marker::PhantomData;
@@ -66,8 +67,8 @@ impl<'a> Deferred<'a> {
         }
     }
 
-    /// Puts the answers of `rays` into `sink` and closes these rays: of all of them if the traversal is `complete`, else of
-    /// those whose query has ended.
+    /// Puts the answers of `rays` into `sink` and closes these rays: of all of them if the
+    /// traversal is `complete`, else of those whose query has ended.
     #[inline(always)]
     pub(super) fn finish_packet<L: Lanes, Q: MeshQuery>(
         &mut self,

@@ -1,7 +1,8 @@
 //! Many rays through the trees of meshes: chooses a traversal for each packet.
 //!
 //! 1. Try [`coherent`], for rays that go nearly the same way. It gives up when they do not.
-//! 2. If the query needs no order, try [`masked`], for short rays from a small place. It gives up likewise.
+//! 2. If the query needs no order, try [`masked`], for short rays from a small place. It gives up
+//!    likewise.
 //! 3. Put all rays that are left, of all packets, through [`interleaved`].
 //!
 //! Where packet after packet gives up, some of the next are not tried.
@@ -65,8 +66,8 @@ impl Dispatcher {
     }
 }
 
-/// Whether to try a traversal on the next packet: after each failure but the first two, one more packet is left out,
-/// up to eight.
+/// Whether to try a traversal on the next packet: after each failure but the first two, one more
+/// packet is left out, up to eight.
 struct Trials {
     failures: u32,
     left_out: u32,

@@ -1,18 +1,21 @@
-//! Rays for which float64 has no depths near a tree: those that start very far away, and those that begin behind their
-//! origins.
+//! Rays for which float64 has no depths near a tree: those that start very far away, and those that
+//! begin behind their origins.
 //!
 //! 1. Bring the ray's start into the tree's space, in twice the digits.
-//! 2. Move it along the ray to the point nearest to the tree's middle. Each step is rounded, and the next makes up for
-//!    that.
-//! 3. Where it does not come to rest, or rounding leaves the place open, give up: every triangle of the mesh is tested.
+//! 2. Move it along the ray to the point nearest to the tree's middle. Each step is rounded, and
+//!    the next makes up for that.
+//! 3. Where it does not come to rest, or rounding leaves the place open, give up: every triangle of
+//!    the mesh is tested.
 //! 4. Drop the ray if that point is not in the sphere around the tree.
-//! 5. Else move it back to before the tree, and traverse the tree from there with a ray without an end. Every triangle
-//!    that this ray may meet is tested with the ray as it was, as no depth can be compared with its `t`.
+//! 5. Else move it back to before the tree, and traverse the tree from there with a ray without an
+//!    end. Every triangle that this ray may meet is tested with the ray as it was, as no depth can
+//!    be compared with its `t`.
 //!
 //! # Error bounds
 //!
-//! A sum of two numbers of twice the digits is off by a share of 2^-100 (`SHARE`) of its terms: they have 106 bits, six
-//! of which are for the up to 24 sums. The part of that error across the ray is the blur of the ray that is traversed.
+//! A sum of two numbers of twice the digits is off by a share of 2^-100 (`SHARE`) of its terms:
+//! they have 106 bits, six of which are for the up to 24 sums. The part of that error across the
+//! ray is the blur of the ray that is traversed.
 
 use crate::accel::space::Space;
 use crate::geometry::arithmetic::Scalar;
@@ -37,7 +40,8 @@ pub(super) enum Approach {
     Somewhere,
 }
 
-/// The largest power of two that is not above a positive number; for a subnormal number the smallest normal one.
+/// The largest power of two that is not above a positive number; for a subnormal number the
+/// smallest normal one.
 fn power_of_two_below(x: f64) -> f64 {
     f64::from_bits(x.max(f64::MIN_POSITIVE).to_bits() & (0x7ff << 52))
 }
@@ -82,8 +86,8 @@ impl Approach {
             return Self::Somewhere;
         }
         let direction = d / d.abs().max_element();
-        // An error along the ray does no harm: the place stays on the ray, and near the tree. Only its part across
-        // counts.
+        // An error along the ray does no harm: the place stays on the ray, and near the tree. Only
+        // its part across counts.
         let main = (0..3).find(|&k| direction[k].abs() == 1.0);
         let along = main.map_or(f64::INFINITY, |main| error[main]);
         let across = (0..3).filter(|&k| Some(k) != main);
@@ -146,7 +150,8 @@ mod tests {
             let aimed = Ray::new(-far * way, far * way);
             let away = Ray::new(far * way, far * way);
             let past = Ray::new(DVec3::new(far, 0.0, 0.0), DVec3::new(-1.0, 0.1, 0.2));
-            // Steps of which no number of float64 has the length; a hardly slanting one; a square that is infinite.
+            // Steps of which no number of float64 has the length; a hardly slanting one; a square
+            // that is infinite.
             let along = |d: DVec3| Ray::new(axis.origin, d);
             let thirds = along(DVec3::new(0.0, 0.0, -3.0));
             let tenths = along(DVec3::new(0.0, 0.0, -0.7));

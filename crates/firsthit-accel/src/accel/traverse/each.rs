@@ -24,12 +24,13 @@ pub const END: f64 = f64::NEG_INFINITY;
 /// than before, or [`END`].
 pub(crate) type Visit<'a> = dyn FnMut(u32, f64) -> f64 + Send + 'a;
 
-/// A kernel that calls `visit` with each triangle that a ray, or one displaced from it by up to `off`, may meet at a parameter of at
-/// most `t_max`, in any order, and perhaps with others.
+/// A kernel that calls `visit` with each triangle that a ray, or one displaced from it by up to
+/// `off`, may meet at a parameter of at most `t_max`, in any order, and perhaps with others.
 ///
 /// The lowest of triangles in one place is among them. The others are for sure only `with_copies`.
 ///
-/// `visit` is behind a pointer, so that the kernel is compiled once and not for each query: few rays need it.
+/// `visit` is behind a pointer, so that the kernel is compiled once and not for each query: few
+/// rays need it.
 #[doc(hidden)]
 pub struct EachCandidate<'a> {
     pub scratch: &'a mut Scratch,
@@ -56,7 +57,8 @@ impl Kernel for EachCandidate<'_> {
         } else if ray.t_min >= 0.0 {
             return each_ahead(l, scratch, at_mesh, (ray, unsure, with_copies), visit);
         } else {
-            // Begin a little earlier: the place at `t_min` is rounded twice, by a product and a sum.
+            // Begin a little earlier: the place at `t_min` is rounded twice, by a product and a
+            // sum.
             let size = ray.origin.abs() + ray.at(ray.t_min).abs();
             let rounding = f64::EPSILON * size.max_element();
             let earlier = 2.0 * rounding / ray.direction.abs().max_element();
@@ -99,7 +101,8 @@ impl Kernel for EachCandidate<'_> {
     }
 }
 
-/// [`EachCandidate`] for a ray that is not distant, and may be `off` across its direction, in units of the tree.
+/// [`EachCandidate`] for a ray that is not distant, and may be `off` across its direction, in units
+/// of the tree.
 #[inline(always)]
 fn each_ahead<L: Lanes>(
     l: L,

@@ -1,8 +1,11 @@
-//! Any query, for rays that do not meet everything: some leave a triangle, or cull a side, or skip triangles.
+//! Any query, for rays that do not meet everything: some leave a triangle, or cull a side, or skip
+//! triangles.
 //!
-//! 1. Hand a candidate to the query where the filter cannot matter: it is met for certain, and ahead of the ray's start for certain,
-//!    no side is culled, and neither it nor a copy in its place is skipped.
-//! 2. For any other candidate the exact test of [`MeshFilter`] decides, and for each copy in its place where the filter tells them apart.
+//! 1. Hand a candidate to the query where the filter cannot matter: it is met for certain, and
+//!    ahead of the ray's start for certain, no side is culled, and neither it nor a copy in its
+//!    place is skipped.
+//! 2. For any other candidate the exact test of [`MeshFilter`] decides, and for each copy in its
+//!    place where the filter tells them apart.
 
 use super::mesh_packet::MeshRay;
 use super::query::{MeshQuery, Visitor, visit_each};

@@ -1,13 +1,18 @@
 //! The first hit: the smallest `t`, and at the same `t` the lowest triangle.
 //!
-//! 1. Of a leaf's candidates that are certain to be met, and certainly nearer than the best so far, find the nearest. Where no other
-//!    begins before it ends, it becomes the best. Where it is met is computed only if it is still the best when the traversal ends.
-//! 2. Otherwise look at the candidates one by one. Drop one that is beyond the best so far, by its depths.
-//! 3. One that is certain to be met, and certainly nearer than the best so far, becomes the best, as in step 1.
-//! 4. For any other the exact test decides, and compares it with the best so far; unless it is known to come after that:
-//!    in its plane the lower one is the first (`shape/mesh/planes.rs`), and nearly there heights tell (`shape/mesh/crowds.rs`).
+//! 1. Of a leaf's candidates that are certain to be met, and certainly nearer than the best so far,
+//!    find the nearest. Where no other begins before it ends, it becomes the best. Where it is met
+//!    is computed only if it is still the best when the traversal ends.
+//! 2. Otherwise look at the candidates one by one. Drop one that is beyond the best so far, by its
+//!    depths.
+//! 3. One that is certain to be met, and certainly nearer than the best so far, becomes the best,
+//!    as in step 1.
+//! 4. For any other the exact test decides, and compares it with the best so far; unless it is
+//!    known to come after that: in its plane the lower one is the first (`shape/mesh/planes.rs`),
+//!    and nearly there heights tell (`shape/mesh/crowds.rs`).
 //!
-//! Most leaves need step 1 alone. The others are functions of their own, so that they take no registers from the traversal.
+//! Most leaves need step 1 alone. The others are functions of their own, so that they take no
+//! registers from the traversal.
 
 use super::mesh_packet::MeshRay;
 use super::query::{MeshQuery, Visitor};
@@ -21,7 +26,8 @@ use crate::simd::{Aligned, Kernel, LANES, Lanes, set_bits};
 #[derive(Clone, Copy)]
 #[doc(hidden)]
 pub struct First {
-    /// The nearest triangle so far, a leaf and a lane of it in one number; [`NOTHING`], or [`LOCATED`].
+    /// The nearest triangle so far, a leaf and a lane of it in one number; [`NOTHING`], or
+    /// [`LOCATED`].
     best: u32,
     /// Between which depths it is met.
     low: f32,
@@ -57,7 +63,8 @@ impl First {
         }
     }
 
-    /// A candidate that ends before this depth is certainly nearer than the best so far, and within `t_max`.
+    /// A candidate that ends before this depth is certainly nearer than the best so far, and within
+    /// `t_max`.
     #[inline(always)]
     fn certain_before(&self, ray: &MeshRay<'_>) -> f32 {
         let t_max = ray.limits.t_max_low;
@@ -169,7 +176,8 @@ impl Visitor for First {
         let is_taken = is_one && near & sure != 0;
         // By arithmetic: whether there is a hit is hard to predict.
         let taken = 0_u32.wrapping_sub(is_taken.into());
-        // The answer needs the triangle's index in the mesh. Where none is taken, it is one that the cache has.
+        // The answer needs the triangle's index in the mesh. Where none is taken, it is one that
+        // the cache has.
         let first = ray.tree.leaves[leaf as usize].first;
         let place = chosen(taken, first.wrapping_add(near.trailing_zeros()), 0);
         if let Some(index) = ray.tree.order.get(place as usize) {

@@ -1,24 +1,25 @@
 //! The planes around the rays of a packet, and which boxes are within them.
 //!
-//! 1. Count points from a reference, which has x and y of the first ray's start, and the depth of the rearmost start.
-//!    The depth is along the axis on which all directions are longest. It is not negative where a ray may meet
-//!    something.
-//! 2. Follow every ray back to the depth 0. At a depth d it is at `at_zero + d * slope`, along x and along y; it starts
-//!    at its `start_depth`.
+//! 1. Count points from a reference, which has x and y of the first ray's start, and the depth of
+//!    the rearmost start. The depth is along the axis on which all directions are longest. It is
+//!    not negative where a ray may meet something.
+//! 2. Follow every ray back to the depth 0. At a depth d it is at `at_zero + d * slope`, along x
+//!    and along y; it starts at its `start_depth`.
 //! 3. Make four planes of the smallest and the largest `at_zero` and slope along x and along y.
-//! 4. Make two more planes, nearly parallel, along a direction across which the rays are much the same. Neighbours
-//!    often lie in a plane: the pixels of a row, and what a row sees, seen from a light. The direction is taken from
-//!    the first and the last ray.
+//! 4. Make two more planes, nearly parallel, along a direction across which the rays are much the
+//!    same. Neighbours often lie in a plane: the pixels of a row, and what a row sees, seen from a
+//!    light. The direction is taken from the first and the last ray.
 //! 5. Move all planes outwards by a margin for rounding.
 //! 6. Keep a box if for each plane the corner that is farthest inside is inside.
 //!
-//! Reshetov, Soupikov and Hurley, "Multi-Level Ray Tracing Algorithm", ACM Transactions on Graphics 24(3), 2005. It
-//! departs in the planes of step 4.
+//! Reshetov, Soupikov and Hurley, "Multi-Level Ray Tracing Algorithm", ACM Transactions on Graphics
+//! 24(3), 2005. It departs in the planes of step 4.
 //!
 //! # Error bounds
 //!
-//! In units of `U`, beside the blurs of the rays' starts (see `bounds.rs`). W is the largest of three numbers: how far
-//! a ray at the depth 0 is from the reference along x, and along y, and the depth at which it starts.
+//! In units of `U`, beside the blurs of the rays' starts (see `bounds.rs`). W is the largest of
+//! three numbers: how far a ray at the depth 0 is from the reference along x, and along y, and the
+//! depth at which it starts.
 //!
 //! **At the depth 0** a ray is off by at most 9 W:
 //!
@@ -26,30 +27,34 @@
 //! - 2 W: two differences along the depth;
 //! - 3 W: the slope, which is at most 1, its product and its difference.
 //!
-//! **A sheared coordinate** X of a vertex at the depth D that is P from the reference is off by the sum of these:
+//! **A sheared coordinate** X of a vertex at the depth D that is P from the reference is off by the
+//! sum of these:
 //!
 //! - P + D: the differences with the reference;
 //! - P + W: the difference with the ray at the depth 0;
 //! - 2 D + X: the slope, its product and its difference;
 //! - 9 W: the ray at the depth 0.
 //!
-//! P is at most X + W + D. Where a ray passes a triangle, X is at most the triangle's extent (sheared, along x or y).
-//! In all that is 5 D (`PACKET_VERTEX`), 3 X (`PACKET_EXTENT`) and 12 W (`PACKET_START` allows 20).
+//! P is at most X + W + D. Where a ray passes a triangle, X is at most the triangle's extent
+//! (sheared, along x or y). In all that is 5 D (`PACKET_VERTEX`), 3 X (`PACKET_EXTENT`) and 12 W
+//! (`PACKET_START` allows 20).
 //!
-//! **Against the four planes** all of this is in units of the reach. Starts differ by less than 2 along each axis, so at
-//! the depth 0 a ray is less than 4 from the reference. The test is off by the sum of these:
+//! **Against the four planes** all of this is in units of the reach. Starts differ by less than 2
+//! along each axis, so at the depth 0 a ray is less than 4 from the reference. The test is off by
+//! the sum of these:
 //!
-//! - 16: a ray at the depth 0, by two differences along each of two axes, 8, the slope and its product, 4, and its
-//!   difference, 4;
+//! - 16: a ray at the depth 0, by two differences along each of two axes, 8, the slope and its
+//!   product, 4, and its difference, 4;
 //! - 4: the margin, added to that;
 //! - 6: a vertex, by two differences, the slope, its product and its difference of up to 2.
 //!
 //! These are 26; `PACKET_PLANES` allows 40.
 //!
-//! **Against the two others** the parts along x and y add up. Rays are within `between` at the depth 0, and each end
-//! moves outwards by the `spread` for a depth of 1:
+//! **Against the two others** the parts along x and y add up. Rays are within `between` at the
+//! depth 0, and each end moves outwards by the `spread` for a depth of 1:
 //!
-//! - 32: a ray at the depth 0, twice the 16 above; 16: the products and the sum along the normal; 8: the margin;
+//! - 32: a ray at the depth 0, twice the 16 above; 16: the products and the sum along the normal;
+//!   8: the margin;
 //! - 20: a vertex, by three differences, three products, two sums and a share of the spread.
 //!
 //! These are 76; `PACKET_NORMAL` allows 160. Slopes are off by 9 in all; `PACKET_SPREAD` allows 16.
@@ -72,7 +77,8 @@ pub(super) struct PacketFrustum {
     pub(super) forwards: f32,
     /// Along those axes.
     pub(super) reference: [f32; 3],
-    /// The smallest and the largest of `at_zero`, less and more for rounding, and of the slopes, along x and along y.
+    /// The smallest and the largest of `at_zero`, less and more for rounding, and of the slopes,
+    /// along x and along y.
     pub(super) at_zero_bounds: [[f32; 2]; 2],
     pub(super) slope_bounds: [[f32; 2]; 2],
     /// The place of each ray at the depth 0, along x and along y.
@@ -85,17 +91,19 @@ pub(super) struct PacketFrustum {
     pub(super) error: f32,
     /// The error of a depth, at any depth.
     pub(super) depth_error: f32,
-    /// The normal of the two planes of step 4: its parts along x and y, at most 1, and minus its part along the depth.
+    /// The normal of the two planes of step 4: its parts along x and y, at most 1, and minus its
+    /// part along the depth.
     pub(super) normal: [f32; 2],
     pub(super) tilt: f32,
-    /// The smallest and the largest place of a ray along the normal at the depth 0, and how far that moves for a depth
-    /// of 1, beside the tilt, at most.
+    /// The smallest and the largest place of a ray along the normal at the depth 0, and how far
+    /// that moves for a depth of 1, beside the tilt, at most.
     pub(super) between: [f32; 2],
     pub(super) spread: f32,
 }
 
 impl PacketFrustum {
-    /// `None` when the directions of the rays are not longest along one axis, with one sign, or rounding is too large.
+    /// `None` when the directions of the rays are not longest along one axis, with one sign, or
+    /// rounding is too large.
     #[inline(always)]
     #[expect(
         clippy::too_many_lines,
@@ -254,8 +262,9 @@ impl PacketFrustum {
     }
 }
 
-/// The normal across the depth of the plane that the rays are in, from the difference in start and in slope between the
-/// first and the last of them. One part is 1 or -1; both are 0 where there is no difference.
+/// The normal across the depth of the plane that the rays are in, from the difference in start and
+/// in slope between the first and the last of them. One part is 1 or -1; both are 0 where there is
+/// no difference.
 #[inline(always)]
 fn normal([x, y]: [f32; 2], [along_x, along_y]: [f32; 2]) -> [f32; 2] {
     let (size, change) = (x.abs().max(y.abs()), along_x.abs().max(along_y.abs()));

@@ -1,4 +1,5 @@
-//! A leaf and a packet's frustum: which of the leaf's triangles may the rays meet, and which ray meets which of them?
+//! A leaf and a packet's frustum: which of the leaf's triangles may the rays meet, and which ray
+//! meets which of them?
 //!
 //! 1. Test the leaf's sixteen triangles against the planes of the frustum, a triangle in each lane.
 //! 2. Bound the error of the sides of their edges, for rays inside each triangle and for all rays.
@@ -7,8 +8,9 @@
 //!
 //! # Error bounds
 //!
-//! The bounds of `filter.rs` hold, with what `frustum.rs` says that a sheared coordinate is off. A triangle's extent across the
-//! rays is measured with the smallest and the largest slope, and that is the extent along any slope between.
+//! The bounds of `filter.rs` hold, with what `frustum.rs` says that a sheared coordinate is off. A
+//! triangle's extent across the rays is measured with the smallest and the largest slope, and that
+//! is the extent along any slope between.
 
 use super::frustum::PacketFrustum;
 use super::mesh_packet::MeshPacket;
@@ -28,8 +30,8 @@ pub(super) struct LeafView {
     x: [f32; LANES],
     y: [f32; LANES],
     depth: [f32; LANES],
-    // For each triangle: its nearest and farthest depth, and the bound of its sides, for rays inside it and for all
-    // rays.
+    // For each triangle: its nearest and farthest depth, and the bound of its sides, for rays
+    // inside it and for all rays.
     nearest: [f32; LANES],
     farthest: [f32; LANES],
     bound: [f32; LANES],
@@ -97,7 +99,8 @@ impl PacketFrustum {
                 (size, l.max(left, right))
             }};
         }
-        // How far the triangles extend across any of the rays, and how far their corners are from any ray.
+        // How far the triangles extend across any of the rays, and how far their corners are from
+        // any ray.
         let ((size_x, away_x), (size_y, away_y)) = (inside!(0, x), inside!(1, y));
         let [normal_x, normal_y] = self.normal;
         let along = l.neg_mul_add(

@@ -1,21 +1,24 @@
 //! Sixteen rays at a time, each on its own way through the tree of a mesh.
 //!
 //! 1. Fill the free slots with the next rays.
-//! 2. For each ray at a node: test its sixteen boxes, append those that are met to the ray's work list.
+//! 2. For each ray at a node: test its sixteen boxes, append those that are met to the ray's work
+//!    list.
 //! 3. For each ray at a leaf: test its sixteen triangles; the ray's query sees what is left.
-//! 4. For all sixteen at once: take from each work list the nearest of the last sixteen entries, and ask memory for it.
-//!    A ray whose list is empty, or holds only what is too far, is finished, and its slot is free.
+//! 4. For all sixteen at once: take from each work list the nearest of the last sixteen entries,
+//!    and ask memory for it. A ray whose list is empty, or holds only what is too far, is finished,
+//!    and its slot is free.
 //!
-//! A single ray waits: for the next node from memory, for the test of its boxes, for a branch that is hard to predict.
-//! Here the same step of all rays comes in one loop, without branches that depend on what was met, so the processor
-//! works on other rays while one waits. The rays need have nothing in common. Boulos, Wald and Benthin, "Adaptive Ray
-//! Packet Reordering", IEEE Symposium on Interactive Ray Tracing 2008, keep many rays in flight too, and gather those
-//! that are at the same node.
+//! A single ray waits: for the next node from memory, for the test of its boxes, for a branch that
+//! is hard to predict. Here the same step of all rays comes in one loop, without branches that
+//! depend on what was met, so the processor works on other rays while one waits. The rays need have
+//! nothing in common. Boulos, Wald and Benthin, "Adaptive Ray Packet Reordering", IEEE Symposium on
+//! Interactive Ray Tracing 2008, keep many rays in flight too, and gather those that are at the
+//! same node.
 //!
-//! A work list is two arrays, depths and children, and is never sorted: where the nearest of the last sixteen is too
-//! far, all sixteen are. To look for the nearest in sixteen lists at once takes two shuffles and a comparison for each
-//! ray ([`Lanes::smallest_of_each`]). In one list it takes as many steps as for all sixteen, each of which waits for
-//! the one before.
+//! A work list is two arrays, depths and children, and is never sorted: where the nearest of the
+//! last sixteen is too far, all sixteen are. To look for the nearest in sixteen lists at once takes
+//! two shuffles and a comparison for each ray ([`Lanes::smallest_of_each`]). In one list it takes
+//! as many steps as for all sixteen, each of which waits for the one before.
 
 use super::deferred::Deferred;
 use super::mesh_packet::{MeshPacket, MeshRay};
@@ -93,8 +96,8 @@ pub(super) fn interleaved<'a, L: Lanes, Q: MeshQuery>(
     let mut nodes = 0_u16;
     let mut leaves = 0_u16;
     let mut free = u16::MAX;
-    // Renewed after a leaf, which moves a ray's limit. Starting again moves it too, but leaves an empty list, and what
-    // is below the first entry of a list is beyond all limits.
+    // Renewed after a leaf, which moves a ray's limit. Starting again moves it too, but leaves an
+    // empty list, and what is below the first entry of a list is beyond all limits.
     let mut limits = Aligned([-1.0; LANES]);
     loop {
         while free != 0 {
@@ -267,8 +270,9 @@ impl<'a, Q: MeshQuery> Slot<'a, Q> {
         }
     }
 
-    /// Takes what is to be visited next; `false` when nothing is left. Where the order matters, this is for long lists,
-    /// and for those whose last sixteen entries are all too far; for the others see [`nearest`].
+    /// Takes what is to be visited next; `false` when nothing is left. Where the order matters,
+    /// this is for long lists, and for those whose last sixteen entries are all too far; for the
+    /// others see [`nearest`].
     #[inline(always)]
     fn step<L: Lanes>(&mut self, l: L, list: &mut WorkList) -> bool {
         let limit = self.query.limit();
@@ -308,8 +312,8 @@ impl<'a, Q: MeshQuery> Slot<'a, Q> {
         l.prefetch_either(next & LEAF != 0, next & !LEAF, &tree.nodes, &tree.leaves);
     }
 
-    /// The largest key of a depth that still matters, see [`Lanes::smallest_of_each`]; below the keys of unused
-    /// entries.
+    /// The largest key of a depth that still matters, see [`Lanes::smallest_of_each`]; below the
+    /// keys of unused entries.
     #[inline(always)]
     fn last_key(&self) -> f32 {
         let limit = self.query.limit().min(f32::MAX);

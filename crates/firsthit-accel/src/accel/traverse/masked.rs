@@ -1,15 +1,15 @@
-//! Sixteen short rays from a small place, in all directions, together through the tree of a mesh: ambient occlusion
-//! shoots them. For queries that need no order.
+//! Sixteen short rays from a small place, in all directions, together through the tree of a mesh:
+//! ambient occlusion shoots them. For queries that need no order.
 //!
 //! 1. Put a box around the segments of all rays; give up when it is as wide as half the mesh.
-//! 2. At a node, test its sixteen boxes against that box, then each one that is left against the sixteen rays; a child
-//!    goes onto the stack with a mask of the rays that meet it.
+//! 2. At a node, test its sixteen boxes against that box, then each one that is left against the
+//!    sixteen rays; a child goes onto the stack with a mask of the rays that meet it.
 //! 3. At a leaf, or at a node that only one ray meets, continue ray by ray.
 //! 4. Give up when nodes have few rays in common.
 //!
-//! Wald, Slusallek, Benthin and Wagner, "Interactive Rendering with Coherent Ray Tracing", Computer Graphics Forum
-//! 20(3), 2001, for the masks. It departs in step 1, which rules out most children of a wide node for all rays at once,
-//! whatever their directions.
+//! Wald, Slusallek, Benthin and Wagner, "Interactive Rendering with Coherent Ray Tracing", Computer
+//! Graphics Forum 20(3), 2001, for the masks. It departs in step 1, which rules out most children
+//! of a wide node for all rays at once, whatever their directions.
 
 use super::deferred::Deferred;
 use super::mesh_packet::{FEWEST, MeshPacket};
@@ -29,8 +29,8 @@ const COMMON: u32 = 3;
 const FARTHEST: f32 = 10.0;
 const _: () = assert!(FAR + 2.0 <= FARTHEST as f64);
 
-/// Answers the open rays of a packet, but for those whose start float32 does not resolve. Returns `false` when it gave
-/// up; any ray may then be open still.
+/// Answers the open rays of a packet, but for those whose start float32 does not resolve. Returns
+/// `false` when it gave up; any ray may then be open still.
 #[inline(always)]
 pub(super) fn masked<'a, L: Lanes, Q: MeshQuery>(
     l: L,
@@ -120,7 +120,8 @@ fn parts(key: u64) -> (u16, u32) {
     ((key >> 32) as u16, key as u32)
 }
 
-/// The box around the segments of a packet's rays, from their starts to where nothing matters any more.
+/// The box around the segments of a packet's rays, from their starts to where nothing matters any
+/// more.
 struct SegmentBounds {
     low: [f32; 3],
     high: [f32; 3],
@@ -139,11 +140,12 @@ impl SegmentBounds {
             let [first, last] = &packet.ends[axis];
             let (first, last) = (l.load(first), l.load(last));
             let direction = l.div(one, inverse);
-            // Each end is minus the start over the direction, one moved forwards and one backwards by the margin.
+            // Each end is minus the start over the direction, one moved forwards and one backwards
+            // by the margin.
             let start = l.mul(l.mul(l.add(first, last), half), l.sub(zero, direction));
             let margin = l.mul(l.sub(last, first), direction);
-            // Rounding in units of `U FARTHEST`: the start 5, the slope at the end 2, product and sum 3, the last
-            // difference 2. `SEGMENT` allows 16.
+            // Rounding in units of `U FARTHEST`: the start 5, the slope at the end 2, product and
+            // sum 3, the last difference 2. `SEGMENT` allows 16.
             let margin = l.mul_add(l.abs(margin), half, l.splat(SEGMENT * FARTHEST));
             let end = l.mul_add(direction, limit, start);
             let low = l.sub(l.min(start, end), margin);
@@ -228,7 +230,8 @@ mod tests {
         reach: f64,
     }
 
-    /// Whether they were answered together, which are open still, and how far their segments are outside the box.
+    /// Whether they were answered together, which are open still, and how far their segments are
+    /// outside the box.
     struct Outcome {
         is_done: bool,
         open: u16,

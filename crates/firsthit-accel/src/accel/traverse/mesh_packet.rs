@@ -116,8 +116,9 @@ impl MeshRay<'_> {
         ray.holds(hit.t).then(|| hit.crossing(triangle))
     }
 
-    /// Whether `new` comes before `old`: by the float64 nearest to the exact `t`, then by the triangle's index. Of a ray that
-    /// leaves a surface, by `t` as it is: it is measured from the rounded start.
+    /// Whether `new` comes before `old`: by the float64 nearest to the exact `t`, then by the
+    /// triangle's index. Of a ray that leaves a surface, by `t` as it is: it is measured from the
+    /// rounded start.
     #[inline(always)]
     pub(super) fn precedes<L: Lanes>(&self, l: L, new: &Crossing, old: &Crossing) -> bool {
         if triangle::are_close(new.t, old.t) {
@@ -134,8 +135,8 @@ impl MeshRay<'_> {
         }
     }
 
-    /// Whether a triangle is known to come after another, which the ray meets: in one plane the exact `t` are one, and nearly there heights
-    /// tell.
+    /// Whether a triangle is known to come after another, which the ray meets: in one plane the
+    /// exact `t` are one, and nearly there heights tell.
     #[inline(always)]
     pub(super) fn is_known_to_follow<L: Lanes>(&self, l: L, new: u32, old: u32) -> bool {
         if self.is_departing() {
@@ -177,7 +178,8 @@ fn settle_within<L: Lanes>(l: L, ray: &Ray, doubtful: Doubtful) -> Option<Triang
     l.call(SettleExactly(doubtful))
 }
 
-/// Exact arithmetic for a triangle that float64 could not decide, as a function of its own: it is rarely called.
+/// Exact arithmetic for a triangle that float64 could not decide, as a function of its own: it is
+/// rarely called.
 #[doc(hidden)]
 pub struct SettleExactly(pub Doubtful);
 

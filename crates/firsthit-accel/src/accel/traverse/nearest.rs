@@ -1,40 +1,45 @@
 //! The triangles of a mesh that may be nearest to a point.
 //!
-//! 1. Bring the point into the tree's space, and the square of the largest distance that still matters: the limit.
-//! 2. At a node, compute the squares of the distances to its sixteen boxes at once. Go on with the nearest, and put the
-//!    others onto the stack, in order.
-//! 3. At a leaf, compute a lower bound of the distance to each of its sixteen triangles at once: find about where the
-//!    nearest point is, and how far the triangle is at least along the way there.
-//! 4. Show the triangles that may be within the limit to the caller, the nearest first, who computes their distances in
-//!    float64 and lowers the limit.
+//! 1. Bring the point into the tree's space, and the square of the largest distance that still
+//!    matters: the limit.
+//! 2. At a node, compute the squares of the distances to its sixteen boxes at once. Go on with the
+//!    nearest, and put the others onto the stack, in order.
+//! 3. At a leaf, compute a lower bound of the distance to each of its sixteen triangles at once:
+//!    find about where the nearest point is, and how far the triangle is at least along the way
+//!    there.
+//! 4. Show the triangles that may be within the limit to the caller, the nearest first, who
+//!    computes their distances in float64 and lowers the limit.
 //! 5. Take the next from the stack that is within the limit.
 //!
-//! Roussopoulos, Kelley and Vincent, "Nearest Neighbor Queries", SIGMOD 1995. It departs in the leaves: a distance in
-//! float32 can be too large, but the extent of a triangle along any direction is a lower bound, however that direction
-//! was found.
+//! Roussopoulos, Kelley and Vincent, "Nearest Neighbor Queries", SIGMOD 1995. It departs in the
+//! leaves: a distance in float32 can be too large, but the extent of a triangle along any direction
+//! is a lower bound, however that direction was found.
 //!
 //! # Error bounds
 //!
-//! In units of `U` (see `bounds.rs`), in the space of the tree. R is the largest coordinate of the point plus 1, which is for
-//! the vertices. All errors are lengths, and make the limit larger (`NEAR`, `NEAR_SQUARED`); boxes and triangles are
-//! compared as they come out.
+//! In units of `U` (see `bounds.rs`), in the space of the tree. R is the largest coordinate of the
+//! point plus 1, which is for the vertices. All errors are lengths, and make the limit larger
+//! (`NEAR`, `NEAR_SQUARED`); boxes and triangles are compared as they come out.
 //!
-//! - **A coordinate** of a vertex relative to the point is off by 2 R: the point's own rounding, the vertex', and that of
-//!   the difference.
-//! - **A box** is therefore nearer by at most 3.5 R than it seems: the errors along three axes together.
-//! - **A product** of a direction of length 1 with a vertex is off by 5.2 R of its own rounding, as the sum of the
-//!   products' sizes is at most 1.8 R, and by 3.5 R with the vertex'. In all 8.7 R; `NEAR` is 10 R.
+//! - **A coordinate** of a vertex relative to the point is off by 2 R: the point's own rounding,
+//!   the vertex', and that of the difference.
+//! - **A box** is therefore nearer by at most 3.5 R than it seems: the errors along three axes
+//!   together.
+//! - **A product** of a direction of length 1 with a vertex is off by 5.2 R of its own rounding, as
+//!   the sum of the products' sizes is at most 1.8 R, and by 3.5 R with the vertex'. In all 8.7 R;
+//!   `NEAR` is 10 R.
 //! - **Squares** and their sums are off by 6 units of themselves; `NEAR_SQUARED` is 16.
 //!
 //! Float64's errors are lengths too, in the space of the mesh, and go the same way:
 //!
-//! - The point, taken to the mesh by a transform, is off by 6 times the transform's rounding, times the coordinates
-//!   that it is made from. A corner, taken to the world and rounded there, is off by as much as 2 times that rounding
-//!   of the mesh's own coordinates. The limit has room for 8 of each.
+//! - The point, taken to the mesh by a transform, is off by 6 times the transform's rounding, times
+//!   the coordinates that it is made from. A corner, taken to the world and rounded there, is off
+//!   by as much as 2 times that rounding of the mesh's own coordinates. The limit has room for 8 of
+//!   each.
 //! - The distance is off by less than 2^-40 of itself.
 //!
-//! The map from the world to the mesh stretches lengths by at most its largest singular value, whose square is at most
-//! the infinity norm of the Gram matrix, and is that where angles are kept.
+//! The map from the world to the mesh stretches lengths by at most its largest singular value,
+//! whose square is at most the infinity norm of the Gram matrix, and is that where angles are kept.
 
 use super::single::Scratch;
 use super::stack::Stack;
@@ -203,7 +208,8 @@ fn push_children<L: Lanes>(
     }
 }
 
-/// The triangles of a leaf that may be within a limit, and lower bounds of the squares of their distances.
+/// The triangles of a leaf that may be within a limit, and lower bounds of the squares of their
+/// distances.
 struct Bounded {
     possible: u16,
     low: Aligned<[f32; LANES]>,
@@ -231,7 +237,8 @@ fn cross<L: Lanes>(l: L, a: Vectors<L>, b: Vectors<L>) -> Vectors<L> {
     ]
 }
 
-/// About the offset of the point of a segment that is nearest to the origin, and the square of its length.
+/// About the offset of the point of a segment that is nearest to the origin, and the square of its
+/// length.
 #[inline(always)]
 fn offset<L: Lanes>(l: L, a: Vectors<L>, edge: Vectors<L>) -> (Vectors<L>, L::Floats) {
     let share = l.div(dot(l, a, edge), dot(l, edge, edge));

@@ -1,8 +1,9 @@
 //! The queries that a traversal of one mesh answers, and the sink for the answers.
 //!
-//! A traversal finds leaves; [`filter`](crate::accel::filter) says which triangles of a leaf a ray may meet, and
-//! between which depths. A [`Visitor`] sees these candidates and narrows the ray. A [`MeshQuery`] is a visitor with an
-//! answer: a file each for the first hit, any hit, the count and all crossings.
+//! A traversal finds leaves; [`filter`](crate::accel::filter) says which triangles of a leaf a ray
+//! may meet, and between which depths. A [`Visitor`] sees these candidates and narrows the ray. A
+//! [`MeshQuery`] is a visitor with an answer: a file each for the first hit, any hit, the count and
+//! all crossings.
 
 use super::mesh_packet::MeshRay;
 use crate::accel::filter::Candidates;
@@ -37,11 +38,12 @@ pub trait MeshQuery: Visitor + Copy {
     const IN_PACKETS_FILTERED: bool = false;
     /// The answer of a ray that meets nothing.
     const NONE: Self::Found;
-    /// The query before the first leaf, for a ray that ends at a depth of at most `limit`. A packet makes sixteen at once, so
-    /// a query is small: the ray's other bounds are in [`MeshRay::limits`].
+    /// The query before the first leaf, for a ray that ends at a depth of at most `limit`. A packet
+    /// makes sixteen at once, so a query is small: the ray's other bounds are in
+    /// [`MeshRay::limits`].
     fn new(limit: f32) -> Self;
-    /// Sees a single candidate: the triangle in a lane of a leaf, which is met between two depths, if at all; for sure
-    /// if `is_certain`.
+    /// Sees a single candidate: the triangle in a lane of a leaf, which is met between two depths,
+    /// if at all; for sure if `is_certain`.
     fn visit_one<L: Lanes>(
         &mut self,
         l: L,
@@ -52,7 +54,8 @@ pub trait MeshQuery: Visitor + Copy {
     );
     /// Sees a crossing that the exact test has found.
     fn see<L: Lanes>(&mut self, l: L, ray: &MeshRay<'_>, crossing: Crossing);
-    /// The triangle that is the answer, as a leaf and a lane of it in one number, if where it is met is not computed yet.
+    /// The triangle that is the answer, as a leaf and a lane of it in one number, if where it is
+    /// met is not computed yet.
     #[inline(always)]
     fn deferred(&self) -> Option<u32> {
         None

@@ -2,12 +2,13 @@
 //!
 //! 1. At a node, test the ray against its sixteen boxes at once; continue with the nearest child,
 //!    and put the others onto the stack, in order.
-//! 2. At a leaf, test its sixteen triangles at once in float32 ([`filter`]); the query sees what is left.
+//! 2. At a leaf, test its sixteen triangles at once in float32 ([`filter`]); the query sees what is
+//!    left.
 //! 3. Take the next child from the stack that is not beyond the query's limit.
 //!
-//! Wald, Benthin and Boulos, "Getting Rid of Packets: Efficient SIMD Single-Ray Traversal using Multi-branching BVHs",
-//! IEEE Symposium on Interactive Ray Tracing 2008. It departs in the leaves, where float32 only rules out and float64
-//! decides.
+//! Wald, Benthin and Boulos, "Getting Rid of Packets: Efficient SIMD Single-Ray Traversal using
+//! Multi-branching BVHs", IEEE Symposium on Interactive Ray Tracing 2008. It departs in the leaves,
+//! where float32 only rules out and float64 decides.
 
 use super::mesh_packet::{MeshPacket, MeshRay};
 use super::query::{MeshQuery, Visitor};
@@ -35,7 +36,8 @@ impl Default for Scratch {
     }
 }
 
-/// The answer of a query for `ray` and `mesh`, in the mesh's space. The tree has nodes, and the ray is valid.
+/// The answer of a query for `ray` and `mesh`, in the mesh's space. The tree has nodes, and the ray
+/// is valid.
 #[inline(always)]
 #[doc(hidden)]
 pub fn query_mesh<L: Lanes, Q: MeshQuery>(

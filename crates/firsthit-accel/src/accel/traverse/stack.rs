@@ -2,18 +2,20 @@
 
 use crate::accel::build::binary::SAH_DEPTH;
 
-/// Nodes and leaves still to be visited. An entry has the index in its lower half, and in its upper half the bits of
-/// the depth, or a mask of a packet's rays.
+/// Nodes and leaves still to be visited. An entry has the index in its lower half, and in its upper
+/// half the bits of the depth, or a mask of a packet's rays.
 #[derive(Debug)]
 pub(in crate::accel) struct Stack {
     entries: Box<[u64; STACK]>,
     height: usize,
 }
 
-/// A tree has no more levels than the binary one it is made from: `SAH_DEPTH`, then 31 halvings of at most 2^31 items,
-/// the leaf, and one to spare. A quick tree adds a level of lowest nodes to such a tree, which has far fewer items.
+/// A tree has no more levels than the binary one it is made from: `SAH_DEPTH`, then 31 halvings of
+/// at most 2^31 items, the leaf, and one to spare. A quick tree adds a level of lowest nodes to
+/// such a tree, which has far fewer items.
 pub(in crate::accel) const LEVELS: usize = SAH_DEPTH as usize + 33;
-/// A power of two. The last entry is always the next, so each level leaves up to 15 behind, and the lowest all 16.
+/// A power of two. The last entry is always the next, so each level leaves up to 15 behind, and the
+/// lowest all 16.
 const STACK: usize = 2048;
 const _: () = assert!(15 * LEVELS + 1 < STACK);
 

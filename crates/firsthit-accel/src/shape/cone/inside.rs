@@ -11,7 +11,8 @@ use crate::geometry::arithmetic::Arithmetic;
 /// The largest change of a cone's radius, in heights, that is not flat.
 const FLAT: f64 = 4.0;
 
-/// A line, or one in each lane, relative to a cone's axis: across it and along it, at the start and in one unit of its parameter.
+/// A line, or one in each lane, relative to a cone's axis: across it and along it, at the start and
+/// in one unit of its parameter.
 #[derive(Clone, Copy)]
 struct Line<N> {
     across: Vector<N>,
@@ -58,8 +59,9 @@ impl Cone {
         Interval::line(of).between(lids, line.z, line.dz)
     }
 
-    /// The stretch of a line inside a flat cone. The line's height is off by a rounding, and the radius there by so much times the slope. So
-    /// the line starts anew where it enters the slab between the lids, where its height is exact, and goes through the slab in one unit. If it
+    /// The stretch of a line inside a flat cone. The line's height is off by a rounding, and the
+    /// radius there by so much times the slope. So the line starts anew where it enters the slab
+    /// between the lids, where its height is exact, and goes through the slab in one unit. If it
     /// goes a long way through the slab, it starts where it is nearest to the axis.
     #[inline(always)]
     fn inside_flat<A: Arithmetic>(&self, of: A, line: Line<A::Number>) -> Interval<A> {
@@ -102,14 +104,14 @@ impl Cone {
         let slope = of.number(self.slope());
         let radius = of.add(of.number(self.bottom_radius), of.mul(slope, z));
         let d_radius = of.mul(slope, dz);
-        // Inside is where a t^2 + 2 b t + c <= 0. Between the lids the radius is not negative, so the
-        // cone's mirror image beyond its tip does not count.
+        // Inside is where a t^2 + 2 b t + c <= 0. Between the lids the radius is not negative, so
+        // the cone's mirror image beyond its tip does not count.
         let steepness = squared(of, d_across);
         let a = of.sub(steepness, of.mul(d_radius, d_radius));
         let b = of.sub(dot(of, across, d_across), of.mul(radius, d_radius));
         let c = of.sub(squared(of, across), of.mul(radius, radius));
-        // From where the line is deepest inside: b * b - a * c is all rounding for a thin shape. (Haines,
-        // Günther and Akenine-Möller, see the sphere.)
+        // From where the line is deepest inside: b * b - a * c is all rounding for a thin shape.
+        // (Haines, Günther and Akenine-Möller, see the sphere.)
         let is_steep = of.lt(of.mul(of.number(0.5), steepness), a);
         let deepest = of.div(negative(of, b), a);
         let radius_there = of.add(radius, of.mul(deepest, d_radius));
@@ -133,8 +135,8 @@ impl Cone {
         // Along the side there is one root.
         let before_one = has_roots & is_even & of.lt(zero, b);
         let after_one = has_roots & is_even & !of.lt(zero, b);
-        // Steeper than the side: outside between the roots. One side of them is the mirror image's, where the
-        // slab leaves nothing, or at the tip what rounding makes of nothing.
+        // Steeper than the side: outside between the roots. One side of them is the mirror image's,
+        // where the slab leaves nothing, or at the tip what rounding makes of nothing.
         let is_outside_between = has_roots & !between & !is_even;
         let before = slab.until(is_outside_between, lower, zero);
         let after = slab.from(is_outside_between, upper, zero);
@@ -148,7 +150,8 @@ impl Cone {
     #[inline(always)]
     pub(super) fn along<A: Arithmetic>(&self, of: A, ray: &RayOf<A::Number>) -> Interval<A> {
         let at = minus(of, ray.origin, splat(of, self.bottom));
-        // From far away the quadratic's terms would be all rounding: start it where the line is nearest.
+        // From far away the quadratic's terms would be all rounding: start it where the line is
+        // nearest.
         let size = self.height + self.bottom_radius + self.top_radius;
         let squared_distance = squared(of, at);
         let is_far = of.lt(of.number(64.0 * size * size), squared_distance);
@@ -161,7 +164,8 @@ impl Cone {
         let start = of.div(back, squared(of, ray.direction));
         let start = of.select(is_far, start, of.number(0.0));
         let nearest = plus(of, at, times(of, start, ray.direction));
-        // A line far outside, by more than rounding, meets nothing. Here, because the fourth powers below may overflow.
+        // A line far outside, by more than rounding, meets nothing. Here, because the fourth powers
+        // below may overflow.
         let rounding = of.mul(of.number(1e-14), of.sqrt(squared_distance));
         let most = of.add(of.number(2.0 * size), rounding);
         let is_outside = is_far & of.lt(most, of.sqrt(squared(of, nearest)));

@@ -26,7 +26,8 @@ impl Mesh {
     ///
     /// # Errors
     ///
-    /// [`Error::Argument`] when there are not as many `faces` as triangles, or one is no identifier: 2^31 or more.
+    /// [`Error::Argument`] when there are not as many `faces` as triangles, or one is no
+    /// identifier: 2^31 or more.
     pub fn with_faces(mut self, faces: Vec<u32>) -> Result<Self> {
         if faces.len() != self.triangles.len() {
             return Err(Error::argument("faces", "one for each triangle", faces.len()));
@@ -45,8 +46,9 @@ impl Mesh {
         with_uvs uvs 2
         /// The mesh with a second set of texture coordinates, for textures that take it.
         with_second_uvs second_uvs 2
-        /// The mesh with tangents, in object space, for normal maps: the direction in which the map's
-        /// columns run, and 1, or -1 where the bitangent is not normal times tangent but the opposite.
+        /// The mesh with tangents, in object space, for normal maps: the direction in which the
+        /// map's columns run, and 1, or -1 where the bitangent is not normal times tangent but the
+        /// opposite.
         with_tangents tangents 4
         /// The mesh with linear colours, which the object's own colour multiplies.
         with_colors colors 3
@@ -153,7 +155,8 @@ impl Mesh {
         self.faces.as_ref().map_or(triangle, |faces| faces[triangle] as usize)
     }
 
-    /// The shading normal in object space, interpolated and not of length one; `None` where the mesh has none.
+    /// The shading normal in object space, interpolated and not of length one; `None` where the
+    /// mesh has none.
     #[inline]
     pub fn shading_normal(&self, triangle: usize, barycentric: DVec2) -> Option<DVec3> {
         self.normals
@@ -172,8 +175,8 @@ impl Mesh {
         Some(DVec2::from(self.between(uvs, triangle, barycentric)))
     }
 
-    /// The tangent in object space, not of length one, and whether the bitangent is the opposite of normal times tangent; `None`
-    /// where the mesh has none.
+    /// The tangent in object space, not of length one, and whether the bitangent is the opposite of
+    /// normal times tangent; `None` where the mesh has none.
     pub fn tangent(&self, triangle: usize, barycentric: DVec2) -> Option<(DVec3, bool)> {
         let tangents = self.tangents.as_ref()?;
         let [x, y, z, sign] = self.between(tangents, triangle, barycentric);
@@ -200,8 +203,8 @@ impl Mesh {
         self.slots.as_ref().map_or(0, |slots| slots[triangle] as usize)
     }
 
-    /// Whether all of a triangle's points look alike as far as holes are concerned: of two triangles in one place
-    /// the first then hides the other.
+    /// Whether all of a triangle's points look alike as far as holes are concerned: of two
+    /// triangles in one place the first then hides the other.
     pub(crate) fn has_plain_triangles(&self) -> bool {
         self.uvs.is_none()
             && self.second_uvs.is_none()

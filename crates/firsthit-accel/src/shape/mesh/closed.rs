@@ -1,12 +1,14 @@
 //! Whether a mesh is closed, so that every ray crosses it in pairs.
 //!
 //! 1. Vertices in one place are one (`weld.rs`).
-//! 2. Count for each edge, whatever its direction, how many times triangles have it. An edge without a length does not count.
+//! 2. Count for each edge, whatever its direction, how many times triangles have it. An edge
+//!    without a length does not count.
 //! 3. The mesh is closed if every number is even.
 //!
-//! Then the triangles are a cycle modulo 2: no line that avoids their edges crosses them an odd number of times. Which way triangles
-//! face is of no account. A triangle that is there twice closes nothing. Collinear corners count as others do: they close the seam
-//! where one long edge meets two short ones.
+//! Then the triangles are a cycle modulo 2: no line that avoids their edges crosses them an odd
+//! number of times. Which way triangles face is of no account. A triangle that is there twice
+//! closes nothing. Collinear corners count as others do: they close the seam where one long edge
+//! meets two short ones.
 
 use std::sync::OnceLock;
 
@@ -50,8 +52,9 @@ impl PartialEq for Closed {
 }
 
 impl Mesh {
-    /// Whether every edge belongs to an even number of triangles; an edge is where its two ends are, so vertices in one place need
-    /// not be one. Every ray then enters and leaves the mesh in turn. Remembered once it is found out.
+    /// Whether every edge belongs to an even number of triangles; an edge is where its two ends
+    /// are, so vertices in one place need not be one. Every ray then enters and leaves the mesh in
+    /// turn. Remembered once it is found out.
     ///
     /// ```
     /// use firsthit::{Mesh, Positions};
@@ -77,7 +80,8 @@ impl Mesh {
         Ok(self.edges()?.odd)
     }
 
-    /// Whether no two triangles go along an edge in one direction, and every edge has a length. Remembered likewise.
+    /// Whether no two triangles go along an edge in one direction, and every edge has a length.
+    /// Remembered likewise.
     #[doc(hidden)]
     pub fn edges_are_of_one_way(&self) -> Result<bool> {
         Ok(self.edges()?.are_of_one_way)

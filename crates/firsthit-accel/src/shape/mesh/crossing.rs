@@ -17,8 +17,8 @@ impl Mesh {
         shear.intersect_with(edges, self.corners(triangle))
     }
 
-    /// Whether `new` is the first of two crossings of a ray with triangles of the mesh: the one with the smaller
-    /// nearest `t`, of equal ones the lower triangle.
+    /// Whether `new` is the first of two crossings of a ray with triangles of the mesh: the one
+    /// with the smaller nearest `t`, of equal ones the lower triangle.
     #[inline]
     #[doc(hidden)]
     pub fn precedes(&self, ray: &Ray, new: &Crossing, old: &Crossing) -> bool {
@@ -39,8 +39,8 @@ impl Mesh {
         meeting.map_or(crossing.t, |meeting| meeting.nearest_t())
     }
 
-    /// The order along a ray of two crossings with the same nearest `t`: see `triangle/crossed.rs`. Of triangles in one place the
-    /// lower index is first.
+    /// The order along a ray of two crossings with the same nearest `t`: see `triangle/crossed.rs`.
+    /// Of triangles in one place the lower index is first.
     #[doc(hidden)]
     pub fn compare(&self, ray: &Ray, one: &Crossing, other: &Crossing) -> Ordering {
         let [first, second] = [one, other].map(|crossing| self.meeting(ray, crossing));

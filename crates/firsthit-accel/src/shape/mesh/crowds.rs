@@ -1,14 +1,17 @@
-//! Rules out triangles that lie on top of one another, nearly in one plane, by their heights above it.
+//! Rules out triangles that lie on top of one another, nearly in one plane, by their heights above
+//! it.
 //!
-//! All of them are met within a few roundings, so that each ray would compare all of them exactly. But the height of a point of a triangle
-//! above the plane is between those of its corners, which are known once and for all. A ray comes to the plane at a `t` that is computed
-//! once, and to points at a height a little earlier or later (`triangle/place/double.rs`). That says of nearly all triangles
-//! that another is met before, and of those around the start of a ray which are behind it.
+//! All of them are met within a few roundings, so that each ray would compare all of them exactly.
+//! But the height of a point of a triangle above the plane is between those of its corners, which
+//! are known once and for all. A ray comes to the plane at a `t` that is computed once, and to
+//! points at a height a little earlier or later (`triangle/place/double.rs`). That says of nearly
+//! all triangles that another is met before, and of those around the start of a ray which are
+//! behind it.
 //!
 //! 1. Take the plane of the largest triangle. To that belong all whose corners are near.
 //! 2. Then that of the largest that is left, and so on, a few times.
-//! 3. A crowd is what lies on top of one another: where the triangles' areas are together several times that of the box around them.
-//!    Walls of many triangles are none.
+//! 3. A crowd is what lies on top of one another: where the triangles' areas are together several
+//!    times that of the box around them. Walls of many triangles are none.
 
 use std::cmp::Ordering;
 
@@ -125,8 +128,8 @@ impl Crowds {
         self.in_crowd(one, other).is_some()
     }
 
-    /// Whether a triangle surely comes after another with these corners, which the ray meets: by the nearest `t`, and then by their
-    /// numbers.
+    /// Whether a triangle surely comes after another with these corners, which the ray meets: by
+    /// the nearest `t`, and then by their numbers.
     #[inline(always)]
     pub fn is_after(&self, ray: &Ray, new: u32, (old, old_corners): (u32, [DVec3; 3])) -> bool {
         let Some((crowd, [layer, _])) = self.in_crowd(new, old) else {
@@ -141,7 +144,8 @@ impl Crowds {
         (nearest, old) < (earliest, new)
     }
 
-    /// Whether a triangle is surely behind a ray that leaves a point of another, by the weights of its corners 1 and 2.
+    /// Whether a triangle is surely behind a ray that leaves a point of another, by the weights of
+    /// its corners 1 and 2.
     #[inline(always)]
     pub fn is_behind(
         &self,

@@ -12,8 +12,8 @@ use crate::shape::Attribute;
 const AT_ONCE: usize = 4096;
 
 impl Mesh {
-    /// Adds what the triangles are, not how they are stored: neither the order of the vertices nor those that
-    /// no triangle uses make a difference.
+    /// Adds what the triangles are, not how they are stored: neither the order of the vertices nor
+    /// those that no triangle uses make a difference.
     pub(super) fn digest(&self, digest: &mut Digest) {
         let count = self.triangles.len();
         digest.count(count);

@@ -1,4 +1,5 @@
-//! Disjoint sets: what is connected? (Galler and Fischer, Communications of the ACM 7(5), 1964), by the lowest number.
+//! Disjoint sets: what is connected? (Galler and Fischer, Communications of the ACM 7(5), 1964), by
+//! the lowest number.
 
 /// Sets of the numbers below a count.
 #[derive(Debug)]

@@ -1,14 +1,16 @@
 //! The facing of a closed mesh's triangles with which it goes around every point a whole number of
 //! times.
 //!
-//! That needs as many triangles along each edge in one direction as in the other. Nearly every closed mesh is so as it stands. In others
-//! some triangles are flipped:
+//! That needs as many triangles along each edge in one direction as in the other. Nearly every
+//! closed mesh is so as it stands. In others some triangles are flipped:
 //!
 //! 1. Triangles with the same three places are one facet, however often it is there.
-//! 2. Where an edge has exactly two facets, they face alike if they run along it in opposite directions. That makes sets of facets
-//!    (`disjoint_sets.rs`, with two numbers for each facet, one for each way it may face).
+//! 2. Where an edge has exactly two facets, they face alike if they run along it in opposite
+//!    directions. That makes sets of facets (`disjoint_sets.rs`, with two numbers for each facet,
+//!    one for each way it may face).
 //! 3. Of each set most triangles stay as they are, and the others are taken as turned around.
-//! 4. If as many then go one way as the other along each edge, that is how they face. Else the mesh has no sides that can be told apart.
+//! 4. If as many then go one way as the other along each edge, that is how they face. Else the mesh
+//!    has no sides that can be told apart.
 
 use super::Mesh;
 use super::disjoint_sets::DisjointSets;
@@ -46,7 +48,8 @@ pub fn sorted([a, b, c]: [u32; 3]) -> ([u32; 3], bool) {
     (all, is_even)
 }
 
-/// The edges of a triangle that have a length: the lower place first, and whether the triangle goes up.
+/// The edges of a triangle that have a length: the lower place first, and whether the triangle goes
+/// up.
 #[doc(hidden)]
 pub fn edges([a, b, c]: [u32; 3]) -> impl Iterator<Item = ([u32; 2], bool)> {
     let sides = [(a, b), (b, c), (c, a)].into_iter();

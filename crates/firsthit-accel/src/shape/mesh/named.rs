@@ -5,7 +5,8 @@ use crate::geometry::DVec2;
 use crate::shape::property::{PointOfTriangle, mean};
 use crate::shape::{Attribute, Property, PropertyOf};
 
-/// An attribute of a mesh, found by its name: one of its properties, or `normals`, `uvs`, `second_uvs`, `tangents`, `colors` or `alphas`.
+/// An attribute of a mesh, found by its name: one of its properties, or `normals`, `uvs`,
+/// `second_uvs`, `tangents`, `colors` or `alphas`.
 #[derive(Debug, Clone, Copy)]
 pub struct NamedAttribute<'a> {
     mesh: &'a Mesh,
@@ -23,7 +24,8 @@ enum Values<'a> {
 }
 
 impl Mesh {
-    /// All attributes: the properties in their order, then `normals`, `uvs` and the others of a mesh where the mesh has them.
+    /// All attributes: the properties in their order, then `normals`, `uvs` and the others of a
+    /// mesh where the mesh has them.
     ///
     /// ```
     /// use firsthit::shape::{Property, PropertyOf, PropertyValues};
@@ -56,8 +58,9 @@ impl Mesh {
         all.map(|(name, values)| NamedAttribute { mesh: self, name, values })
     }
 
-    /// The attribute of that name. Where several have it, `of` chooses, or else the corners' comes before the vertices', and that
-    /// before the faces'. A property comes before `normals`, `uvs` and the others of a mesh.
+    /// The attribute of that name. Where several have it, `of` chooses, or else the corners' comes
+    /// before the vertices', and that before the faces'. A property comes before `normals`, `uvs`
+    /// and the others of a mesh.
     pub fn attribute(&self, name: &str, of: Option<PropertyOf>) -> Option<NamedAttribute<'_>> {
         let rank = |of| match of {
             PropertyOf::Corners => 0,
@@ -117,8 +120,8 @@ impl<'a> NamedAttribute<'a> {
         }
     }
 
-    /// Writes one of the values as it is to the front of `out`, as far as there is room. Where there is none of that number, nothing
-    /// is written.
+    /// Writes one of the values as it is to the front of `out`, as far as there is room. Where
+    /// there is none of that number, nothing is written.
     #[doc(hidden)]
     pub fn value(&self, index: usize, out: &mut [f64]) {
         match self.values {
@@ -142,13 +145,15 @@ impl<'a> NamedAttribute<'a> {
         !matches!(self.values, Values::Property(_))
     }
 
-    /// Writes the value at a point of a triangle, given by the weights of its corners 1 and 2, to the front of `out`. Where there is
-    /// no room for all its numbers, the last are left out; where there is no such triangle, nothing is written.
+    /// Writes the value at a point of a triangle, given by the weights of its corners 1 and 2, to
+    /// the front of `out`. Where there is no room for all its numbers, the last are left out; where
+    /// there is no such triangle, nothing is written.
     ///
-    /// With the weights `w` of the corners, the first of which is `1 - w1 - w2`, an interpolated number is
-    /// `w0 * v0 + w1 * v1 + w2 * v2` in float64, added from left to right, where corners of weight zero are left out.
-    /// [`Between::NearestCorner`](crate::shape::Between) and faces have their numbers as they are. `normals` are interpolated
-    /// as they are: in object space, of any length.
+    /// With the weights `w` of the corners, the first of which is `1 - w1 - w2`, an interpolated
+    /// number is `w0 * v0 + w1 * v1 + w2 * v2` in float64, added from left to right, where corners
+    /// of weight zero are left out. [`Between::NearestCorner`](crate::shape::Between) and faces
+    /// have their numbers as they are. `normals` are interpolated as they are: in object space, of
+    /// any length.
     pub fn look_up(&self, triangle: usize, barycentric: DVec2, out: &mut [f64]) {
         let Some(&vertices) = self.mesh.triangles.get(triangle) else {
             return;

@@ -10,8 +10,8 @@ use crate::memory::{self, Storage};
 use crate::shape::{Positions, Property, PropertyOf, PropertyValues};
 
 impl Mesh {
-    /// The triangles of each part: those that edges join, where an edge is where its two ends are. Parts are in the order of their first
-    /// triangles.
+    /// The triangles of each part: those that edges join, where an edge is where its two ends are.
+    /// Parts are in the order of their first triangles.
     ///
     /// # Errors
     ///
@@ -52,9 +52,10 @@ impl Mesh {
         Ok(self.parts()?.len())
     }
 
-    /// The parts of the mesh as meshes of their own, with all that it knows about them, in the order of their first triangles. Triangles
-    /// that have an edge in common are of one part; an edge is where its two ends are, to the last bit. So shells are parts that do not
-    /// touch, or only at vertices.
+    /// The parts of the mesh as meshes of their own, with all that it knows about them, in the
+    /// order of their first triangles. Triangles that have an edge in common are of one part; an
+    /// edge is where its two ends are, to the last bit. So shells are parts that do not touch, or
+    /// only at vertices.
     ///
     /// ```
     /// use firsthit::{Mesh, Positions};
@@ -154,13 +155,15 @@ impl Mesh {
         0.0 + areas.sum::<f64>()
     }
 
-    /// The volume inside, in cubes of object space; `None` for a mesh that is not closed, and for one whose triangles cannot all face
-    /// alike. It does not matter whether they face outwards. Where shells overlap, each counts, and the volume of one that faces
-    /// the other way than most, as a cavity does, is taken off.
+    /// The volume inside, in cubes of object space; `None` for a mesh that is not closed, and for
+    /// one whose triangles cannot all face alike. It does not matter whether they face outwards.
+    /// Where shells overlap, each counts, and the volume of one that faces the other way than most,
+    /// as a cavity does, is taken off.
     ///
     /// # Errors
     ///
-    /// [`Error::Limit`](crate::error::Error::Limit) when there is no memory to find out whether it is closed.
+    /// [`Error::Limit`](crate::error::Error::Limit) when there is no memory to find out whether it
+    /// is closed.
     pub fn volume(&self) -> Result<Option<f64>> {
         let facing = self.facing()?;
         if matches!(facing, super::Facing::Undecided) {

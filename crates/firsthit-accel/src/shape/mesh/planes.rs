@@ -1,10 +1,11 @@
 //! Groups the triangles that lie in one plane, exactly.
 //!
-//! Where thousands lie in one place, as in drawings, each ray would compare all of them exactly. So after as many such comparisons as there
-//! are triangles their planes are found:
+//! Where thousands lie in one place, as in drawings, each ray would compare all of them exactly. So
+//! after as many such comparisons as there are triangles their planes are found:
 //!
 //! 1. Sort the triangles by their planes as float64 computes them, rounded to 20 bits.
-//! 2. Of those with the same numbers each whose corners are in the plane of the first one, without rounding, is said to be in that.
+//! 2. Of those with the same numbers each whose corners are in the plane of the first one, without
+//!    rounding, is said to be in that.
 //! 3. What lies on top of one another nearly in one plane is a crowd (`crowds.rs`).
 //!
 //! Triangles that are not said to lie in one plane may do so nevertheless: rounding may part them.
@@ -40,7 +41,8 @@ impl Mesh {
         planes.is_some_and(|planes| planes.are_one)
     }
 
-    /// Whether two different triangles are known to lie in one plane. Neither is without an area then.
+    /// Whether two different triangles are known to lie in one plane. Neither is without an area
+    /// then.
     #[inline(always)]
     #[doc(hidden)]
     pub fn are_in_one_plane(&self, one: u32, other: u32) -> bool {
@@ -93,7 +95,8 @@ impl Mesh {
         Some(Planes { firsts, are_one, crowds })
     }
 
-    /// A number for the plane of a triangle, which others may have too; `None` where float64 is not sure of an area.
+    /// A number for the plane of a triangle, which others may have too; `None` where float64 is not
+    /// sure of an area.
     fn plane_key(&self, triangle: u32) -> Option<u64> {
         let [a, b, c] = self.corners(triangle as usize);
         let (e, f) = (b - a, c - a);
@@ -139,7 +142,8 @@ mod tests {
     fn planes_are_known_after_as_many_questions_as_triangles_and_are_exact() {
         let mut next = numbers();
         let mut points = Vec::new();
-        // In turn level, oblique, and off that by a last bit; in the end one without an area in the level plane.
+        // In turn level, oblique, and off that by a last bit; in the end one without an area in the
+        // level plane.
         for k in 0..300 {
             for _ in 0..3 {
                 let (x, y) = (next(), next());

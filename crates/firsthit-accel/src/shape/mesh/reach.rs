@@ -1,7 +1,8 @@
 //! The support function of a mesh, asked for in several directions to frame it.
 //!
 //! 1. Once for a mesh, find the boxes around blocks of triangles that follow each other.
-//! 2. Ask the boxes how far the triangles in them may reach, and the triangles of the most promising block how far they do.
+//! 2. Ask the boxes how far the triangles in them may reach, and the triangles of the most
+//!    promising block how far they do.
 //! 3. Then those of all blocks that may reach farther than what is known by then.
 
 use std::sync::{Arc, OnceLock};
@@ -24,10 +25,11 @@ impl PartialEq for Blocks {
 }
 
 impl Mesh {
-    /// The largest product of a triangle's corner with `direction`: vertices without a triangle do not count.
+    /// The largest product of a triangle's corner with `direction`: vertices without a triangle do
+    /// not count.
     pub(super) fn reach(&self, direction: DVec3) -> f64 {
-        // A corner of the box and a vertex go through the same operations, and rounding is monotone: the bound holds to the last
-        // bit.
+        // A corner of the box and a vertex go through the same operations, and rounding is
+        // monotone: the bound holds to the last bit.
         let most = |&Bounds { low, high }: &Bounds| {
             DVec3::select(direction.cmpge(DVec3::ZERO), high, low).dot(direction)
         };

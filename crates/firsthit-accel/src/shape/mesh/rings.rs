@@ -1,8 +1,8 @@
 //! Rings of the triangles around a corner.
 //!
-//! The corners of triangles that are in one place are a ring: for each there is the number of the next one. To find all rings takes as
-//! long as to look for the triangles around some corners in the tree: it is done after a number of
-//! questions.
+//! The corners of triangles that are in one place are a ring: for each there is the number of the
+//! next one. To find all rings takes as long as to look for the triangles around some corners in
+//! the tree: it is done after a number of questions.
 
 use super::Mesh;
 use super::weld::Welded;
@@ -12,8 +12,8 @@ use crate::memory;
 const NONE: u32 = u32::MAX;
 
 impl Mesh {
-    /// The triangles that have a corner where this one is, a corner of a triangle: that first, and each once. `None` until it was asked
-    /// for often.
+    /// The triangles that have a corner where this one is, a corner of a triangle: that first, and
+    /// each once. `None` until it was asked for often.
     #[doc(hidden)]
     pub fn around(&self, triangle: u32, corner: u32) -> Option<impl Iterator<Item = u32>> {
         let price = self.triangles.len() / 8;
@@ -57,7 +57,8 @@ impl Mesh {
 mod tests {
     use crate::shape::{Mesh, Positions};
 
-    /// Corners in one place without an index in common, both zeros, and a triangle with two corners in one place.
+    /// Corners in one place without an index in common, both zeros, and a triangle with two corners
+    /// in one place.
     #[test]
     fn around_a_corner_are_all_triangles_that_have_its_place_each_once() {
         let tips = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, -0.0, 0.0]];

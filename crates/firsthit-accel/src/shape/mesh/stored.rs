@@ -17,7 +17,8 @@ const CHUNK: usize = 1 << 16;
 #[doc(hidden)]
 pub struct MeshParts {
     pub positions: Arc<Positions>,
-    /// Whether every coordinate of the positions is finite. If not, those of the triangles are asked one by one.
+    /// Whether every coordinate of the positions is finite. If not, those of the triangles are
+    /// asked one by one.
     pub is_finite: bool,
     pub triangles: Storage<[u32; 3]>,
     pub bounds: Bounds,
@@ -48,8 +49,9 @@ impl Positions {
 }
 
 impl Mesh {
-    /// The mesh of these parts. They are checked as those of any mesh are, by all threads of the current rayon pool, except
-    /// for the bounds, of which only the form is: to find them takes longer than everything else.
+    /// The mesh of these parts. They are checked as those of any mesh are, by all threads of the
+    /// current rayon pool, except for the bounds, of which only the form is: to find them takes
+    /// longer than everything else.
     ///
     /// # Errors
     ///

@@ -1,9 +1,9 @@
-//! Tangents for normal maps, where the file has none: as tools that bake such maps make them (Mikkelsen, "Simulation of Wrinkled
-//! Surfaces Revisited", 2008; `MikkTSpace`).
+//! Tangents for normal maps, where the file has none: as tools that bake such maps make them
+//! (Mikkelsen, "Simulation of Wrinkled Surfaces Revisited", 2008; `MikkTSpace`).
 //!
-//! Triangles that agree at a corner in place, normal and texture coordinates share its tangent, unless the map is mirrored on one of
-//! them: the mean of theirs, across the normal, by their angles there. (`MikkTSpace` tells two fans apart that only touch in a point;
-//! here they are one.)
+//! Triangles that agree at a corner in place, normal and texture coordinates share its tangent,
+//! unless the map is mirrored on one of them: the mean of theirs, across the normal, by their
+//! angles there. (`MikkTSpace` tells two fans apart that only touch in a point; here they are one.)
 
 use std::collections::HashMap;
 
@@ -22,12 +22,15 @@ struct Sum {
 }
 
 impl Mesh {
-    /// Tangents for normal maps by these texture coordinates, for [`with_tangents`](Self::with_tangents), as `MikkTSpace` makes them
-    /// (Mikkelsen, "Simulation of Wrinkled Surfaces Revisited", 2008). Of texture coordinates that run downwards, as in glTF.
+    /// Tangents for normal maps by these texture coordinates, for
+    /// [`with_tangents`](Self::with_tangents), as `MikkTSpace` makes them (Mikkelsen, "Simulation
+    /// of Wrinkled Surfaces Revisited", 2008). Of texture coordinates that run downwards, as in
+    /// glTF.
     ///
-    /// Each is x, y and z of the direction in which the map's columns run, across the vertex' normal (or without normals the face's own), in
-    /// object space and of length one, or zero where there is none; and 1 or -1, which the bitangent, normal cross tangent, is
-    /// to be multiplied by. Corners with the same place, normal and texture coordinates share one.
+    /// Each is x, y and z of the direction in which the map's columns run, across the vertex'
+    /// normal (or without normals the face's own), in object space and of length one, or zero where
+    /// there is none; and 1 or -1, which the bitangent, normal cross tangent, is to be multiplied
+    /// by. Corners with the same place, normal and texture coordinates share one.
     ///
     /// # Errors
     ///
@@ -68,8 +71,9 @@ impl Mesh {
         })
     }
 
-    /// The direction in which the columns of a map run on a triangle, or where the area is negative the opposite one, in object space; and
-    /// twice the triangle's signed area in texture coordinates, with which the direction's length grows.
+    /// The direction in which the columns of a map run on a triangle, or where the area is negative
+    /// the opposite one, in object space; and twice the triangle's signed area in texture
+    /// coordinates, with which the direction's length grows.
     #[doc(hidden)]
     pub fn along_columns(&self, uvs: &Attribute<2>, triangle: usize) -> (DVec3, f64) {
         let [a, b, c] = self.corners(triangle);
@@ -93,8 +97,8 @@ impl Mesh {
 }
 
 impl Sum {
-    /// The tangent, and what the bitangent is to be multiplied by: rows of maps run downwards, so that a map that is not mirrored turns
-    /// the other way round than its surface.
+    /// The tangent, and what the bitangent is to be multiplied by: rows of maps run downwards, so
+    /// that a map that is not mirrored turns the other way round than its surface.
     #[expect(clippy::cast_possible_truncation, reason = "of length one, or zero")]
     fn value(&self) -> [f32; 4] {
         let tangent = self.tangent.try_normalize().unwrap_or(DVec3::ZERO);
@@ -117,7 +121,8 @@ impl Corner {
         (position, self.normal.map(bits), self.uv.map(bits), is_mirrored)
     }
 
-    /// A triangle's tangent across the normal, by the triangle's angle here. `None` where there is no such thing.
+    /// A triangle's tangent across the normal, by the triangle's angle here. `None` where there is
+    /// no such thing.
     fn weighted(&self, along: DVec3, others: [DVec3; 2]) -> Option<DVec3> {
         let normal = unit(DVec3::from(self.normal.map(f64::from)));
         let across = |vector: DVec3| (vector - vector.dot(normal) * normal).try_normalize();

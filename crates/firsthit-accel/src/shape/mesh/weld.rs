@@ -1,4 +1,5 @@
-//! Vertices in one place are one, to the last bit, whether or not triangles share them by index; 0 and -0 are one number.
+//! Vertices in one place are one, to the last bit, whether or not triangles share them by index; 0
+//! and -0 are one number.
 
 use std::cmp::Ordering;
 
@@ -55,8 +56,8 @@ impl Mesh {
 
     /// The places of all corners. They are numbered in the order of their points.
     ///
-    /// In a rayon pool all its threads help. Elsewhere the calling thread works alone, since a process that forks, as those of Python
-    /// do, has no other threads.
+    /// In a rayon pool all its threads help. Elsewhere the calling thread works alone, since a
+    /// process that forks, as those of Python do, has no other threads.
     #[doc(hidden)]
     pub fn welded(&self) -> Result<Welded> {
         let used = self.used_vertices()?;

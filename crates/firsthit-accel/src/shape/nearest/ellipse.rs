@@ -1,11 +1,14 @@
-//! The nearest points of ellipses and ellipsoids: what circles and spheres become where a transform stretches.
+//! The nearest points of ellipses and ellipsoids: what circles and spheres become where a transform
+//! stretches.
 //!
 //! 1. Find the principal axes: the eigenvectors of a symmetric matrix, by Jacobi's rotations.
-//! 2. In the frame of the axes the nearest point is where a function of one variable has its largest root, which two
-//!    numbers are known to enclose: halve the interval until no float64 is between its ends.
+//! 2. In the frame of the axes the nearest point is where a function of one variable has its
+//!    largest root, which two numbers are known to enclose: halve the interval until no float64 is
+//!    between its ends.
 //!
-//! Eberly, "Distance from a Point to an Ellipse, an Ellipsoid, or a Hyperellipsoid" (Geometric Tools, 2013). It departs
-//! in the variable, which is counted from the pole below the root, so that no digits are lost near it.
+//! Eberly, "Distance from a Point to an Ellipse, an Ellipsoid, or a Hyperellipsoid" (Geometric
+//! Tools, 2013). It departs in the variable, which is counted from the pole below the root, so that
+//! no digits are lost near it.
 
 use crate::geometry::DVec3;
 
@@ -20,7 +23,8 @@ pub(crate) struct Principal {
 impl Principal {
     /// The axes of the points `x f + y g + z h` with a vector (x, y, z) of length one.
     pub(crate) fn new(spanned_by: [DVec3; 3]) -> Self {
-        // One-sided: turn two of the vectors in their plane until all are perpendicular. The ellipsoid stays the same.
+        // One-sided: turn two of the vectors in their plane until all are perpendicular. The
+        // ellipsoid stays the same.
         let mut axes = spanned_by;
         for _ in 0..SWEEPS {
             let mut is_done = true;
@@ -67,9 +71,11 @@ impl Principal {
 /// Jacobi's rotations converge quadratically: a few sweeps do, and these are many.
 const SWEEPS: usize = 32;
 
-/// The point nearest to `point` of the ellipsoid with these half axes along those of its frame, none of them zero.
+/// The point nearest to `point` of the ellipsoid with these half axes along those of its frame,
+/// none of them zero.
 pub(crate) fn onto_ellipse<const N: usize>(axes: [f64; N], point: [f64; N]) -> [f64; N] {
-    // In the quadrant where nothing is negative. Of the shortest axes, the one along which the point is farthest.
+    // In the quadrant where nothing is negative. Of the shortest axes, the one along which the
+    // point is farthest.
     let y = point.map(f64::abs);
     let is_better =
         |k: usize, best: usize| axes[k] < axes[best] || (axes[k] == axes[best] && y[k] > y[best]);
@@ -134,7 +140,8 @@ fn root<const N: usize>(axes: [f64; N], ratios: [f64; N], y: [f64; N], least: us
 mod tests {
     use super::*;
 
-    /// The nearest point is on the ellipsoid, and the way to it runs along the gradient; no point nearby is nearer.
+    /// The nearest point is on the ellipsoid, and the way to it runs along the gradient; no point
+    /// nearby is nearer.
     #[test]
     fn the_way_to_the_nearest_point_is_a_normal() {
         let mut state = 3_u64;
@@ -178,7 +185,8 @@ mod tests {
         let principal = Principal::new(spanned);
         let [f, g, h] = principal.directions;
         assert!(f.dot(g).abs() + g.dot(h).abs() + h.dot(f).abs() < 1e-14);
-        // The support of the ellipsoid along any direction is the length of its products with what spans it.
+        // The support of the ellipsoid along any direction is the length of its products with what
+        // spans it.
         for direction in [DVec3::X, DVec3::ONE, DVec3::new(0.3, -2.0, 1.0)] {
             let of = |vectors: [DVec3; 3]| DVec3::from(vectors.map(|v| v.dot(direction))).length();
             let [x, y, z] = principal.lengths;

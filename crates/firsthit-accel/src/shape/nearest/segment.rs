@@ -1,20 +1,21 @@
 //! The point of a segment that is nearest to a point.
 //!
-//! Neighbours share an edge, so its distance must be a function of the edge alone: the ends are brought into an order
-//! first.
+//! Neighbours share an edge, so its distance must be a function of the edge alone: the ends are
+//! brought into an order first.
 //!
-//! 1. Decide in float64 whether an end is nearest, or a point between: by the signs of two dot products. Where rounding
-//!    could matter, in twice the digits.
+//! 1. Decide in float64 whether an end is nearest, or a point between: by the signs of two dot
+//!    products. Where rounding could matter, in twice the digits.
 //! 2. Of an end, the distance is that of two points.
-//! 3. Else compute the offset of the point between. Where it is shorter than half the way to the farther end, float64
-//!    would lose digits: compute it in twice the digits.
+//! 3. Else compute the offset of the point between. Where it is shorter than half the way to the
+//!    farther end, float64 would lose digits: compute it in twice the digits.
 //!
 //! # Error bounds
 //!
-//! In units of 2^-53. A dot product of a difference of points with an edge is off by 2 for the two differences, 1 for
-//! each product and 2 for the sum, times the sum of the products' sizes; `DOT` is twice that. The offset of a point
-//! between is off by 4 times the way to the farther end across the segment (what it is off along the segment changes its
-//! length only in the second order); where step 3 takes float64, that is 8 times the distance.
+//! In units of 2^-53. A dot product of a difference of points with an edge is off by 2 for the two
+//! differences, 1 for each product and 2 for the sum, times the sum of the products' sizes; `DOT`
+//! is twice that. The offset of a point between is off by 4 times the way to the farther end across
+//! the segment (what it is off along the segment changes its length only in the second order);
+//! where step 3 takes float64, that is 8 times the distance.
 
 #![allow(
     clippy::inline_always,
@@ -42,7 +43,8 @@ pub(super) fn apart(p: DVec3, q: DVec3) -> DoubleVector<f64> {
     between(Scalar, &p.to_array(), &q.to_array())
 }
 
-/// `p - q` times `r - q`; its sign is that of the exact product, but for what twice the digits round.
+/// `p - q` times `r - q`; its sign is that of the exact product, but for what twice the digits
+/// round.
 #[inline(always)]
 fn along(p: DVec3, q: DVec3, r: DVec3) -> f64 {
     let (x, y) = (p - q, r - q);

@@ -1,29 +1,33 @@
 //! The point of a triangle that is nearest to a point.
 //!
-//! 1. Is the point above the inside of the triangle? It is where it is on the inner side of all three edges: the signs
-//!    of three products of the normal tell. Where rounding could matter, they are computed in twice the digits.
-//! 2. If so, the distance is the height above the plane. Where the triangle is thin, or the point near the plane, the
-//!    height is computed in twice the digits.
-//! 3. Else it is the smallest of the distances to the edges; of equal ones that to the first (`segment.rs`).
+//! 1. Is the point above the inside of the triangle? It is where it is on the inner side of all
+//!    three edges: the signs of three products of the normal tell. Where rounding could matter,
+//!    they are computed in twice the digits.
+//! 2. If so, the distance is the height above the plane. Where the triangle is thin, or the point
+//!    near the plane, the height is computed in twice the digits.
+//! 3. Else it is the smallest of the distances to the edges; of equal ones that to the first
+//!    (`segment.rs`).
 //!
-//! The regions are those of Ericson, "Real-Time Collision Detection" (2005), 5.1.5. It departs in that the numbers have
-//! bounds, so that the nearest feature is the exact one, and in that all edges are asked: neighbours agree about theirs.
+//! The regions are those of Ericson, "Real-Time Collision Detection" (2005), 5.1.5. It departs in
+//! that the numbers have bounds, so that the nearest feature is the exact one, and in that all
+//! edges are asked: neighbours agree about theirs.
 //!
 //! # Error bounds
 //!
 //! In units of 2^-53.
 //!
-//! - A normal is off by 6 products of its edges' lengths: 2 for the edges, 1 for each product and 1 for the difference,
-//!   along each axis. Its product with that of an edge and the way to its end (off as much) is off by 14 times the
-//!   product of the four lengths; `SIDE` is twice that.
-//! - The height is off by 3 times the way to the corner, and by the normal's tilt times that way. Step 2 takes float64
-//!   where the way times the edges' lengths is at most 4 times their triple product: then the height is off by less than
-//!   40 times itself, and mostly by less than 4.
-//! - In twice the digits the normal is off by 2^-102 of the product of its edges' lengths. The height is off by as much of the way
-//!   to the corner, divided by the sine between the edges; by less than 2^-90 of the way. Where the sine may be less than
-//!   2^-10 (`NARROW`) the triple product comes from a determinant without rounding.
-//! - A triangle that is thinner than 2^-50 of its longest edge (`THIN`) has no inside: its edges are at most that far
-//!   away.
+//! - A normal is off by 6 products of its edges' lengths: 2 for the edges, 1 for each product and 1
+//!   for the difference, along each axis. Its product with that of an edge and the way to its end
+//!   (off as much) is off by 14 times the product of the four lengths; `SIDE` is twice that.
+//! - The height is off by 3 times the way to the corner, and by the normal's tilt times that way.
+//!   Step 2 takes float64 where the way times the edges' lengths is at most 4 times their triple
+//!   product: then the height is off by less than 40 times itself, and mostly by less than 4.
+//! - In twice the digits the normal is off by 2^-102 of the product of its edges' lengths. The
+//!   height is off by as much of the way to the corner, divided by the sine between the edges; by
+//!   less than 2^-90 of the way. Where the sine may be less than 2^-10 (`NARROW`) the triple
+//!   product comes from a determinant without rounding.
+//! - A triangle that is thinner than 2^-50 of its longest edge (`THIN`) has no inside: its edges
+//!   are at most that far away.
 
 #![allow(
     clippy::inline_always,
@@ -76,7 +80,8 @@ pub fn nearest_on_triangle(from: DVec3, corners: [DVec3; 3], primitive: i32) -> 
     }
 }
 
-/// [`nearest_on_triangle`], compiled once for all callers that are no kernels: inlined, it is 70 kB of code.
+/// [`nearest_on_triangle`], compiled once for all callers that are no kernels: inlined, it is 70 kB
+/// of code.
 #[inline(never)]
 pub(crate) fn nearest_on_lone_triangle(
     from: DVec3,
@@ -192,8 +197,8 @@ fn height_exactly(from: DVec3, [a, b, c]: [DVec3; 3], sure: Option<DVec2>) -> Op
     Some(Height { squared: distance * distance, weights })
 }
 
-/// The weights of corners 1 and 2, from the edges opposite the corners, each with the corner that it begins at; `None`
-/// for a point that is not above the triangle.
+/// The weights of corners 1 and 2, from the edges opposite the corners, each with the corner that
+/// it begins at; `None` for a point that is not above the triangle.
 #[inline(always)]
 fn weights_exactly(
     from: DVec3,

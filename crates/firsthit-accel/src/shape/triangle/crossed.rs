@@ -1,19 +1,22 @@
 //! Every crossing once: a ray at an edge or corner, and the order of crossings in one place.
 //!
-//! A ray from `o` is taken for the ray from `o + (e, e^2, e^3)`, for an `e > 0` smaller than every other number. That one
-//! meets no edge and no corner, and lies in no triangle's plane: it crosses a closed mesh from outside to inside and back in turn.
+//! A ray from `o` is taken for the ray from `o + (e, e^2, e^3)`, for an `e > 0` smaller than every
+//! other number. That one meets no edge and no corner, and lies in no triangle's plane: it crosses
+//! a closed mesh from outside to inside and back in turn.
 //!
-//! 1. The side of the edge from `p` to `q` is `det(d, p - o, q - o)`. Where that is zero, its sign is that of the first of the
-//!    three numbers `(p - q) x d` that is not zero.
-//! 2. Where all three are zero too, the edge is along the ray or has no length: the triangle is not crossed.
+//! 1. The side of the edge from `p` to `q` is `det(d, p - o, q - o)`. Where that is zero, its sign
+//!    is that of the first of the three numbers `(p - q) x d` that is not zero.
+//! 2. Where all three are zero too, the edge is along the ray or has no length: the triangle is not
+//!    crossed.
 //! 3. Otherwise it is crossed where its sides have one sign.
-//! 4. Of two crossings the first is the one with the smaller exact `t = n.R / n.d`. Where these are equal, the perturbed ones
-//!    tell, which differ from them by `-(n.(e, e^2, e^3)) / (n.d)`.
+//! 4. Of two crossings the first is the one with the smaller exact `t = n.R / n.d`. Where these are
+//!    equal, the perturbed ones tell, which differ from them by `-(n.(e, e^2, e^3)) / (n.d)`.
 //!
 //! A crossed triangle is always one that the ray meets where edges belong to both neighbours.
 //!
-//! Edelsbrunner and Mücke, "Simulation of Simplicity", ACM Transactions on Graphics 9(1), 1990. It departs in what is perturbed:
-//! the ray's origin in place of all vertices, so that neighbours agree whatever their indices are.
+//! Edelsbrunner and Mücke, "Simulation of Simplicity", ACM Transactions on Graphics 9(1), 1990. It
+//! departs in what is perturbed: the ray's origin in place of all vertices, so that neighbours
+//! agree whatever their indices are.
 
 use std::cmp::Ordering;
 
@@ -86,7 +89,8 @@ pub(super) fn perturbed_side(d: &Scaled, p: &Vector, q: &Vector) -> f64 {
         .unwrap_or(0.0)
 }
 
-/// `n.R / n.d`, and `-n.e / n.d` for each axis `e`, as numerators over one denominator; but for a factor that they all have.
+/// `n.R / n.d`, and `-n.e / n.d` for each axis `e`, as numerators over one denominator; but for a
+/// factor that they all have.
 struct Quotients {
     numerators: [Expansion; 4],
     denominator: Expansion,

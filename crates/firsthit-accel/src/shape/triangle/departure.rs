@@ -1,26 +1,32 @@
 //! Rays that leave a triangle: what is ahead of the point they start at?
 //!
-//! The point is `P = a + v (b - a) + w (c - a)`, in exact arithmetic on the corners and weights. The ray's origin is P rounded
-//! to float64, which may be on the other side of the triangle, or of a neighbour. So a triangle is met where the ray from P
-//! itself meets it, at an exact `t > 0`: never the one that is left, for that is met at zero; nor a neighbour that touches it in P.
+//! The point is `P = a + v (b - a) + w (c - a)`, in exact arithmetic on the corners and weights.
+//! The ray's origin is P rounded to float64, which may be on the other side of the triangle, or of
+//! a neighbour. So a triangle is met where the ray from P itself meets it, at an exact `t > 0`:
+//! never the one that is left, for that is met at zero; nor a neighbour that touches it in P.
 //!
-//! A triangle that has all corners of the one that is left whose weights are not zero holds P: the line meets it there and nowhere ahead,
-//! or runs in its plane. At a vertex these are all triangles around it. Elsewhere:
+//! A triangle that has all corners of the one that is left whose weights are not zero holds P: the
+//! line meets it there and nowhere ahead, or runs in its plane. At a vertex these are all triangles
+//! around it. Elsewhere:
 //!
-//! 1. Compute the sides as for a ray from the origin, and `t`, in twice the digits if need be. Where rounding and the distance from the
-//!    origin to P cannot matter, they decide.
+//! 1. Compute the sides as for a ray from the origin, and `t`, in twice the digits if need be.
+//!    Where rounding and the distance from the origin to P cannot matter, they decide.
 //! 2. Elsewhere compute the sides' and `t`'s signs without rounding, from P.
-//! 3. `t` is measured from the rounded origin. Where that is not positive, it is the exact one from P, rounded.
+//! 3. `t` is measured from the rounded origin. Where that is not positive, it is the exact one from
+//!    P, rounded.
 //!
 //! # Error bounds
 //!
-//! Let no coordinate of P be more than h off the origin's, M be the largest coordinate before the shear and X that across the ray.
+//! Let no coordinate of P be more than h off the origin's, M be the largest coordinate before the
+//! shear and X that across the ray.
 //!
-//! - h is 13 * 2^-53 of the largest corner's coordinate (see `SurfaceInteraction::position`); `OFF` allows 16.
-//! - A coordinate across the ray is off by 2 h, for slopes are at most 1. So a side is off by 8 h X + 8 h^2; the test takes twice as
-//!   much.
-//! - Let S be the sum of the sides, which is `n.d` in units of the direction's longest component. A step of h moves
-//!   the plane along the ray by `n.h / n.d`: at most h + 32 h X M / S. The test takes twice as much.
+//! - h is 13 * 2^-53 of the largest corner's coordinate (see `SurfaceInteraction::position`); `OFF`
+//!   allows 16.
+//! - A coordinate across the ray is off by 2 h, for slopes are at most 1. So a side is off by 8 h
+//!   X + 8 h^2; the test takes twice as much.
+//! - Let S be the sum of the sides, which is `n.d` in units of the direction's longest component. A
+//!   step of h moves the plane along the ray by `n.h / n.d`: at most h + 32 h X M / S. The test
+//!   takes twice as much.
 
 use super::crossed::perturbed_side;
 use super::place::Meeting;
@@ -53,8 +59,8 @@ pub struct DeparturePoint {
 }
 
 impl DeparturePoint {
-    /// The point with these weights of the corners 1 and 2. A weight that moves it by less than its rounding is zero: a ray that is
-    /// aimed at a vertex rounds as much, and leaves that.
+    /// The point with these weights of the corners 1 and 2. A weight that moves it by less than its
+    /// rounding is zero: a ray that is aimed at a vertex rounds as much, and leaves that.
     #[inline]
     pub(crate) fn new(corners: [DVec3; 3], barycentric: DVec2) -> Self {
         #[expect(clippy::manual_clamp, reason = "NaN becomes zero; clamp would keep it")]
@@ -157,7 +163,8 @@ impl DeparturePoint {
             let longest = ray.direction.abs().max_element();
             let steep = seen.across * seen.largest / seen.sum().abs();
             let moved = 64.0 * self.off * (1.0 + steep);
-            // Near the plane plain float64 does not know the last digit of `t`: twice the digits do, long before exact arithmetic.
+            // Near the plane plain float64 does not know the last digit of `t`: twice the digits
+            // do, long before exact arithmetic.
             let hit = match meeting.plain() {
                 Some(place) => Some(TriangleHit::new(place)),
                 None => doubtful.settle(),
@@ -197,8 +204,8 @@ impl DeparturePoint {
 }
 
 impl DeparturePoint {
-    /// Whether the triangle that is left and another lie in one plane across an axis, as the layers of drawings do. Such a triangle is met
-    /// at zero or not at all.
+    /// Whether the triangle that is left and another lie in one plane across an axis, as the layers
+    /// of drawings do. Such a triangle is met at zero or not at all.
     #[inline(always)]
     fn is_in_level_plane(&self, corners: &[DVec3; 3]) -> bool {
         let [a, b, c] = self.corners;
@@ -207,11 +214,12 @@ impl DeparturePoint {
         (is_level & a.cmpeq(p) & a.cmpeq(q) & a.cmpeq(r)).any()
     }
 
-    /// Whether twice the digits say that a ray from the point goes away from a triangle's plane. This is some fifty times as fast as
-    /// [`Exact`].
+    /// Whether twice the digits say that a ray from the point goes away from a triangle's plane.
+    /// This is some fifty times as fast as [`Exact`].
     ///
-    /// With e and f the edges from the first corner and r the vector from the point to that, `t` is `(e x f).r / (e x f).d`. Every part of
-    /// r is off by some 2^-102 of what it is computed from, and the dot product by as much of `6 |e| |f| |r|`; 2^-95 are taken.
+    /// With e and f the edges from the first corner and r the vector from the point to that, `t` is
+    /// `(e x f).r / (e x f).d`. Every part of r is off by some 2^-102 of what it is computed from,
+    /// and the dot product by as much of `6 |e| |f| |r|`; 2^-95 are taken.
     fn is_plainly_ahead_of(&self, direction: DVec3, corners: [DVec3; 3]) -> bool {
         let [first, second, third] = corners.map(|corner| corner.to_array());
         let [a, b, c] = self.corners.map(|corner| corner.to_array());
@@ -239,8 +247,8 @@ impl DeparturePoint {
             && (slope > 0.0) != (height > 0.0)
     }
 
-    /// Whether the triangle that is left lies in the plane of another, and the point with it. This is some fifty times as fast as
-    /// [`Exact`].
+    /// Whether the triangle that is left lies in the plane of another, and the point with it. This
+    /// is some fifty times as fast as [`Exact`].
     fn is_in_plane(&self, corners: [DVec3; 3]) -> bool {
         let mut others = self.corners.iter().filter(|&own| !corners.contains(own));
         let Some(first) = others.next() else {
@@ -275,7 +283,8 @@ fn high(v: &DoubleVector<f64>) -> DVec3 {
 /// A vector without rounding.
 type ExactVector = [Expansion; 3];
 
-/// A triangle as seen from the point, without rounding. Lengths are in units of a power of two, and so is the direction.
+/// A triangle as seen from the point, without rounding. Lengths are in units of a power of two, and
+/// so is the direction.
 struct Exact {
     /// The vectors from the point to the corners.
     relative: [ExactVector; 3],
@@ -286,8 +295,8 @@ struct Exact {
     unit_of_t: f64,
 }
 
-/// The power of two below a number. Numbers are divided by it and multiplied by 2^150: a product of five
-/// then neither overflows nor loses its low digits.
+/// The power of two below a number. Numbers are divided by it and multiplied by 2^150: a product of
+/// five then neither overflows nor loses its low digits.
 fn unit_of(largest: f64) -> f64 {
     f64::from_bits(largest.max(f64::MIN_POSITIVE).to_bits() & (0x7ff << 52))
 }

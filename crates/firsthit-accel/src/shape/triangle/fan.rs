@@ -1,20 +1,25 @@
-//! Rays that leave an edge or a corner of an open mesh: do they go into one of the triangles around it?
+//! Rays that leave an edge or a corner of an open mesh: do they go into one of the triangles around
+//! it?
 //!
-//! In a face the ray's direction tells: against the normal it goes through the face. At an edge or a corner there are several faces, and a
-//! ray that leaves one of them may be under another, which it meets nowhere but at its start. A ray from a little above would be stopped
-//! by that. So is this one:
+//! In a face the ray's direction tells: against the normal it goes through the face. At an edge or
+//! a corner there are several faces, and a ray that leaves one of them may be under another, which
+//! it meets nowhere but at its start. A ray from a little above would be stopped by that. So is
+//! this one:
 //!
-//! 1. Seen from the point P, each triangle around it is an arc on the sphere of directions, from one of its edges to the other. At an
-//!    edge it is half a circle, taken as two arcs.
-//! 2. Take the shortest way from the ray's direction to the arc of the triangle T that is left. It comes to one of the two sides of T, and
-//!    each arc that it crosses on the way is a change of sides.
+//! 1. Seen from the point P, each triangle around it is an arc on the sphere of directions, from
+//!    one of its edges to the other. At an edge it is half a circle, taken as two arcs.
+//! 2. Take the shortest way from the ray's direction to the arc of the triangle T that is left. It
+//!    comes to one of the two sides of T, and each arc that it crosses on the way is a change of
+//!    sides.
 //! 3. So it is known on which side of the whole surface the ray continues. On the side where it
 //!    starts it is free.
-//! 4. On the other side it is stopped, if it could have started from any of the triangles: if it is in front of one of them. A ray that
-//!    goes against all of them is meant to go through, as in a face. (One in front of all of them is free, and both are told apart first.)
+//! 4. On the other side it is stopped, if it could have started from any of the triangles: if it is
+//!    in front of one of them. A ray that goes against all of them is meant to go through, as in a
+//!    face. (One in front of all of them is free, and both are told apart first.)
 //!
-//! The signs of determinants decide, without rounding. Where one is zero, the way ends a little beside the end of T's arc, and then the
-//! direction is moved a little to the side where the ray starts.
+//! The signs of determinants decide, without rounding. Where one is zero, the way ends a little
+//! beside the end of T's arc, and then the direction is moved a little to the side where the ray
+//! starts.
 //!
 //! Plain float64 is sure of all signs for most rays (`fan/plain.rs`).
 //!
@@ -31,7 +36,8 @@ use crate::geometry::{DVec3, Side, arrays};
 /// The most triangles around a corner among which the one that stops a ray is searched.
 const MANY: usize = 64;
 
-/// A part of a triangle as seen from the point, from one direction to another, counter-clockwise in front of the triangle.
+/// A part of a triangle as seen from the point, from one direction to another, counter-clockwise in
+/// front of the triangle.
 struct Arc {
     ends: [DoubleVector<f64>; 2],
 }
@@ -41,13 +47,14 @@ struct Arc {
 pub struct Fan {
     /// The numbers of the triangles and their corners.
     pub triangles: Vec<(u32, [DVec3; 3])>,
-    /// Whether no two triangles of the mesh go along an edge in one direction, and every edge has a length.
+    /// Whether no two triangles of the mesh go along an edge in one direction, and every edge has a
+    /// length.
     pub is_of_one_way: bool,
 }
 
 impl DeparturePoint {
-    /// The triangle that stops a ray at its start, the one with the lowest number, of the `fan` around the point. The ray starts on a side
-    /// of the triangle that it leaves.
+    /// The triangle that stops a ray at its start, the one with the lowest number, of the `fan`
+    /// around the point. The ray starts on a side of the triangle that it leaves.
     pub fn stopped_by(&self, direction: DVec3, side: Side, fan: &Fan) -> Option<u32> {
         let outwards = if side == Side::Front { 1.0 } else { -1.0 };
         if let Some(found) = self.plainly_stopped_by(direction, outwards, fan) {
@@ -110,7 +117,8 @@ impl DeparturePoint {
         under.or_else(|| around.iter().map(number).min())
     }
 
-    /// Whether plain float64 says that a ray goes against all of the triangles, or is in front of all and they face one way.
+    /// Whether plain float64 says that a ray goes against all of the triangles, or is in front of
+    /// all and they face one way.
     fn is_plainly_free(&self, direction: DVec3, fan: &Fan) -> bool {
         let mut heights = fan.triangles.iter().map(|(_, corners)| {
             let [a, b, c] = *corners;

@@ -84,8 +84,9 @@ impl MeshFilter {
         Self { departure: Some(point), is_departing: true, ..Self::NONE }
     }
 
-    /// Sets all but the triangle that the ray leaves, for which there is [`leave`](Self::leave). `is_departing` says whether it leaves any
-    /// surface. Both work in place: a filter is large, and there is one for each ray.
+    /// Sets all but the triangle that the ray leaves, for which there is [`leave`](Self::leave).
+    /// `is_departing` says whether it leaves any surface. Both work in place: a filter is large,
+    /// and there is one for each ray.
     #[inline(always)]
     pub fn set(&mut self, skip: [Option<u32>; 2], cull: Option<Side>, is_departing: bool) {
         self.skip = arrays::map(skip, |triangle| triangle.unwrap_or(NO_TRIANGLE));
@@ -97,14 +98,16 @@ impl MeshFilter {
         self.begin = Begin::TOGETHER;
     }
 
-    /// The ray leaves a triangle at a point by the weights of its corners 1 and 2. If the triangle is one of this mesh, it has a number.
+    /// The ray leaves a triangle at a point by the weights of its corners 1 and 2. If the triangle
+    /// is one of this mesh, it has a number.
     #[inline(always)]
     pub fn leave(&mut self, triangle: Option<u32>, corners: [DVec3; 3], weights: DVec2) {
         self.departure = Some(DeparturePoint::new(corners, weights));
         self.left = triangle.unwrap_or(NO_TRIANGLE);
     }
 
-    /// The ray meets no other triangles than those with numbers from the first to before the second.
+    /// The ray meets no other triangles than those with numbers from the first to before the
+    /// second.
     pub fn keep(&mut self, within: [u32; 2]) {
         self.within = within;
     }
@@ -121,7 +124,8 @@ impl MeshFilter {
         self.begin.latest
     }
 
-    /// Whether a ray that begins at each of some joined meshes at another `t` meets one of them at `t`. `farthest` is of that mesh.
+    /// Whether a ray that begins at each of some joined meshes at another `t` meets one of them at
+    /// `t`. `farthest` is of that mesh.
     #[inline(always)]
     pub fn has_begun(&self, t: f64, farthest: impl FnOnce() -> f64) -> bool {
         self.begin.latest == 0.0 || t > self.begin.latest || t > self.begin.at(farthest())
@@ -133,7 +137,8 @@ impl MeshFilter {
         self.left != NO_TRIANGLE && mesh.is_flat()
     }
 
-    /// Whether a triangle is known not to be ahead: in the plane of the one that is left it is met at the start, or not at all.
+    /// Whether a triangle is known not to be ahead: in the plane of the one that is left it is met
+    /// at the start, or not at all.
     #[inline(always)]
     #[doc(hidden)]
     pub fn leaves_behind(&self, mesh: Meshes<'_>, direction: DVec3, triangle: u32) -> bool {
@@ -145,7 +150,8 @@ impl MeshFilter {
             || (mesh.crowds()).is_some_and(|crowds| crowds.is_behind(direction, triangle, left))
     }
 
-    /// Whether the ray leaves a surface: then its `t` decides as it is, since it is measured from a rounded start.
+    /// Whether the ray leaves a surface: then its `t` decides as it is, since it is measured from a
+    /// rounded start.
     #[inline]
     pub fn is_departing(&self) -> bool {
         self.is_departing

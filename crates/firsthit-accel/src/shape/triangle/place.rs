@@ -1,15 +1,16 @@
 //! Computes the crossing of a ray with the plane of a triangle that it is known to meet: `t`, and
 //! the weights of the corners 1 and 2.
 //!
-//! Let `R` go from the ray's origin to corner 0, `E` and `F` from corner 0 to the two others, and `n = E x F`. The ray
-//! crosses the plane at `t = n.R / n.d`.
+//! Let `R` go from the ray's origin to corner 0, `E` and `F` from corner 0 to the two others, and
+//! `n = E x F`. The ray crosses the plane at `t = n.R / n.d`.
 //!
 //! 1. [`Plain`] computes that in float64, and corrects it once.
 //! 2. Where a bound says that this is not enough, [`Plane`] computes it in twice the digits.
-//! 3. Where that is not enough either, [`Meeting::exact`] computes `n.R` and `n.d` without rounding.
+//! 3. Where that is not enough either, [`Meeting::exact`] computes `n.R` and `n.d` without
+//!    rounding.
 //!
-//! In each step the weights come from the point at `t`, relative to corner 0 (`weights.rs`). `t` is the float64 nearest
-//! to the exact crossing, or one next to that.
+//! In each step the weights come from the point at `t`, relative to corner 0 (`weights.rs`). `t` is
+//! the float64 nearest to the exact crossing, or one next to that.
 
 #![allow(
     clippy::inline_always,
@@ -96,8 +97,9 @@ fn splat_double<A: Arithmetic>(a: A, v: &DoubleVector<f64>) -> DoubleVector<A::N
     [part!(0), part!(1), part!(2)]
 }
 
-/// Rounds a quotient: `high` becomes the float64 nearest to the `exact` numerator over its denominator, and the even one where it lies halfway
-/// between two. Only next to halfway are twice the digits not enough to tell.
+/// Rounds a quotient: `high` becomes the float64 nearest to the `exact` numerator over its
+/// denominator, and the even one where it lies halfway between two. Only next to halfway are twice
+/// the digits not enough to tell.
 #[inline(always)]
 fn rounded_to_nearest(t: Double<f64>, exact: impl FnOnce() -> [Expansion; 2]) -> Double<f64> {
     let other = if t.low < 0.0 { t.high.next_down() } else { t.high.next_up() };
@@ -137,12 +139,14 @@ impl Meeting<f64> {
         is_enough.then(|| triangle.place(Scalar, &start, &self.direction))
     }
 
-    /// Whether the plane is met at no `t_min < t <= t_max`, for sure; where a corner is the origin, it is met at zero.
+    /// Whether the plane is met at no `t_min < t <= t_max`, for sure; where a corner is the origin,
+    /// it is met at zero.
     ///
-    /// With e, f and R the edges from the first corner and the vector from the origin to that, `t` is `n.R / n.d`. Of `n.R` every product
-    /// of three numbers is rounded at most eight times, and there are six, at most `|e| |f| |R|` each, with the largest components. So it
-    /// is off by 24 epsilons of that at most, `n.d` likewise; 64 are taken, and more where products are subnormal. A `t` that is returned
-    /// is next to the exact one: `clear_of` leaves room for that.
+    /// With e, f and R the edges from the first corner and the vector from the origin to that, `t`
+    /// is `n.R / n.d`. Of `n.R` every product of three numbers is rounded at most eight times, and
+    /// there are six, at most `|e| |f| |R|` each, with the largest components. So it is off by 24
+    /// epsilons of that at most, `n.d` likewise; 64 are taken, and more where products are
+    /// subnormal. A `t` that is returned is next to the exact one: `clear_of` leaves room for that.
     #[inline(always)]
     pub(crate) fn is_outside(&self, t_min: f64, t_max: f64) -> bool {
         if t_min >= 0.0 && self.corners.contains(&self.origin) {
@@ -195,7 +199,8 @@ impl Meeting<f64> {
         ]
     }
 
-    /// The place as if without rounding, with the `t` that is nearest to the exact one; `None` where the ray is along the plane.
+    /// The place as if without rounding, with the `t` that is nearest to the exact one; `None`
+    /// where the ray is along the plane.
     #[inline(always)]
     pub(crate) fn exact(&self) -> Option<Place<f64>> {
         let [first, second, third] = &self.corners;

@@ -1,4 +1,5 @@
-//! COLMAP's cameras and images, in text and in binary: <https://colmap.github.io/format.html>. Opening files is for others.
+//! COLMAP's cameras and images, in text and in binary: <https://colmap.github.io/format.html>.
+//! Opening files is for others.
 //!
 //! Files are untrusted: no count in them sizes an allocation.
 
@@ -93,7 +94,8 @@ enum Model {
     Other(&'static Unsupported),
 }
 
-/// A model that COLMAP has, and that no projection here is: its number, its name and its parameters.
+/// A model that COLMAP has, and that no projection here is: its number, its name and its
+/// parameters.
 type Unsupported = (i32, &'static str, &'static [&'static str]);
 
 const UNSUPPORTED: &[Unsupported] = &[
@@ -175,14 +177,16 @@ struct Image {
 }
 
 impl ColmapImages {
-    /// Reads the content of `cameras.txt` or `cameras.bin`, and that of `images.txt` or `images.bin`. The extensions of `paths` say
-    /// which; else they are only what errors call the files.
+    /// Reads the content of `cameras.txt` or `cameras.bin`, and that of `images.txt` or
+    /// `images.bin`. The extensions of `paths` say which; else they are only what errors call the
+    /// files.
     ///
     /// # Errors
     ///
-    /// [`Error::Parse`] with its place for what is wrong in a file: what is cut off or no number, counts that the file has no room for,
-    /// numbers that are not finite, a model that COLMAP does not have, a camera or an image's name that is there twice, and an image of a
-    /// camera that is not there.
+    /// [`Error::Parse`] with its place for what is wrong in a file: what is cut off or no number,
+    /// counts that the file has no room for, numbers that are not finite, a model that COLMAP does
+    /// not have, a camera or an image's name that is there twice, and an image of a camera that is
+    /// not there.
     pub fn read([cameras, images]: [&[u8]; 2], paths: [&Path; 2]) -> Result<Self> {
         let is_binary = |path: &Path| path.extension().is_some_and(|name| name == "bin");
         let [of_cameras, of_images] = paths;
@@ -232,14 +236,15 @@ impl ColmapImages {
     ///
     /// # Errors
     ///
-    /// [`Error::Parse`] for numbers that no camera has, as [`Camera::new`] refuses them, and for the models that are not in
-    /// [`ColmapModel::ALL`].
+    /// [`Error::Parse`] for numbers that no camera has, as [`Camera::new`] refuses them, and for
+    /// the models that are not in [`ColmapModel::ALL`].
     pub fn camera(&self, name: &str) -> Option<Result<Camera>> {
         let image = self.images.iter().find(|image| image.name == name)?;
         Some(self.camera_of(image))
     }
 
-    /// The models that are none of [`ColmapModel::ALL`], for each image in the order of [`names`](Self::names) whose camera has one.
+    /// The models that are none of [`ColmapModel::ALL`], for each image in the order of
+    /// [`names`](Self::names) whose camera has one.
     pub fn unsupported(&self) -> impl Iterator<Item = Option<&'static str>> {
         let model = |image: &Image| self.cameras.get(&image.camera).map(|camera| camera.model);
         self.images.iter().map(move |image| match model(image)? {

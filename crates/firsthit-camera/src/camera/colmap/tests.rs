@@ -86,7 +86,8 @@ fn text_and_binary_say_the_same() {
     assert_eq!(front.position(), DVec3::new(0.0, 0.0, -5.0));
     assert_eq!((front.aim(), front.upwards()), (DVec3::Z, DVec3::NEG_Y));
     assert_eq!((front.rows(), front.columns()), (480, 640));
-    // A quaternion of length two, half a turn about z: x and y change their signs, so minus R' t is (1, 2, -3).
+    // A quaternion of length two, half a turn about z: x and y change their signs, so minus R' t is
+    // (1, 2, -3).
     assert_eq!(side.position(), DVec3::new(1.0, 2.0, -3.0));
     assert_eq!((side.aim(), side.upwards()), (DVec3::Z, DVec3::Y));
     let parameters = side.lens().parameters();

@@ -20,8 +20,8 @@ pub(super) fn cameras(data: &[u8], path: &Path) -> Result<Vec<(u32, Intrinsics)>
     Ok(cameras)
 }
 
-/// The images, in the order of the file. Each is a line, and the line after it has its points, or is empty. Files of known poses
-/// often lack the second lines.
+/// The images, in the order of the file. Each is a line, and the line after it has its points, or
+/// is empty. Files of known poses often lack the second lines.
 pub(super) fn images(data: &[u8], path: &Path) -> Result<Vec<Image>> {
     let mut images = Vec::new();
     let mut may_be_points = false;
@@ -38,8 +38,8 @@ pub(super) fn images(data: &[u8], path: &Path) -> Result<Vec<Image>> {
     Ok(images)
 }
 
-/// Whether a line has the points of an image, `X Y POINT3D_ID` each. An image's line has ten words, and more only where its name has
-/// blanks.
+/// Whether a line has the points of an image, `X Y POINT3D_ID` each. An image's line has ten words,
+/// and more only where its name has blanks.
 fn are_points(line: &str) -> bool {
     let words = || line.split_whitespace();
     words().count().is_multiple_of(3) && words().all(|word| word.parse::<f64>().is_ok())
@@ -79,7 +79,8 @@ fn camera(line: &str, place: Place) -> InWords<(u32, Intrinsics)> {
     Ok((parsed(number, WHOLE)?, camera))
 }
 
-/// An image's line: `IMAGE_ID QW QX QY QZ TX TY TZ CAMERA_ID NAME`. The name is the rest of it, blanks and all.
+/// An image's line: `IMAGE_ID QW QX QY QZ TX TY TZ CAMERA_ID NAME`. The name is the rest of it,
+/// blanks and all.
 fn image(line: &str, place: Place) -> InWords<Image> {
     let mut rest = line;
     let mut word = || -> InWords<&str> {

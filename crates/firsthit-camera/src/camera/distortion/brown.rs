@@ -1,6 +1,8 @@
-//! Radial distortion, as a quotient of polynomials, with tangential and thin prism distortion, for the models that are made of them.
+//! Radial distortion, as a quotient of polynomials, with tangential and thin prism distortion, for
+//! the models that are made of them.
 //!
-//! [`opencv`](super::opencv) has the formulas and the papers: these are its steps 1 to 3, with radial polynomials of any degree.
+//! [`opencv`](super::opencv) has the formulas and the papers: these are its steps 1 to 3, with
+//! radial polynomials of any degree.
 
 use super::Limit;
 use super::newton::{Mapped, invert, invert_in_plane};
@@ -39,7 +41,8 @@ impl<const N: usize> Brown<N> {
         folds.retain(|&q| q < pole);
         let first = folds.first().copied().unwrap_or(pole);
         let undistorted = first.sqrt();
-        // Beyond the first fold of a radial distortion everything is upside down, until the next one.
+        // Beyond the first fold of a radial distortion everything is upside down, until the next
+        // one.
         let second = folds.get(1).copied().unwrap_or(pole);
         let is_lopsided = self.is_lopsided();
         let outermost = if !is_lopsided {
@@ -68,7 +71,8 @@ impl<const N: usize> Brown<N> {
         self.is_before_fold(limit, point).then_some(mapped.value)
     }
 
-    /// The point whose distorted point is given; `None` where there is none on this side of the fold.
+    /// The point whose distorted point is given; `None` where there is none on this side of the
+    /// fold.
     pub(super) fn undistort(&self, limit: &Limit, point: DVec2) -> Option<DVec2> {
         let radius = point.length();
         let is_lopsided = self.is_lopsided();
@@ -78,7 +82,8 @@ impl<const N: usize> Brown<N> {
         let radial = if radius < limit.distorted {
             self.undistorted_radius(limit, radius)?
         } else if is_lopsided {
-            // A little before the radial fold: the rest of the distortion may carry a point beyond it.
+            // A little before the radial fold: the rest of the distortion may carry a point beyond
+            // it.
             0.98 * limit.undistorted
         } else {
             return None;
@@ -92,14 +97,15 @@ impl<const N: usize> Brown<N> {
             let found = invert_in_plane(point, start, |at| self.distorted(limit, at))?;
             self.is_before_fold(limit, found).then_some(found)
         };
-        // Where the radial distortion hardly rises, the rest of it moves the place far, and a fold may be on the way from the first.
+        // Where the radial distortion hardly rises, the rest of it moves the place far, and a fold
+        // may be on the way from the first.
         let others = [1.5, 0.5, 2.5].into_iter();
         let mut others = others.take_while(|_| radius < limit.distorted);
         solve(radial).or_else(|| others.find_map(|share| solve(share * radial)))
     }
 
-    /// [`undistort`](Self::undistort) for a single point or several at once, by Newton's method from the prepared start; known where it
-    /// has settled on this side of the fold.
+    /// [`undistort`](Self::undistort) for a single point or several at once, by Newton's method
+    /// from the prepared start; known where it has settled on this side of the fold.
     #[inline(always)]
     pub(super) fn undistorted<A: Arithmetic>(
         &self,
@@ -159,9 +165,10 @@ impl<const N: usize> Brown<N> {
         [factor, (rise - factor * fall) / below]
     }
 
-    /// The radius up to which no fold was found, at 64 radii: there the derivative of the radial part stretches by half more than
-    /// that of all else can come to. The first stretches by the factor across and by the slope along the radius, at least; the
-    /// second by the sum of its numbers, at most. A fold that is narrower than a step may be missed.
+    /// The radius up to which no fold was found, at 64 radii: there the derivative of the radial
+    /// part stretches by half more than that of all else can come to. The first stretches by the
+    /// factor across and by the slope along the radius, at least; the second by the sum of its
+    /// numbers, at most. A fold that is narrower than a step may be missed.
     fn probed(&self, undistorted: f64) -> f64 {
         const STEPS: u32 = 64;
         /// Beyond it the way to each point is looked at ([`is_before_fold`](Self::is_before_fold)).
@@ -278,7 +285,8 @@ impl<const N: usize> Brown<N> {
     /// The radius before radial distortion of one after it, which is within the limit.
     fn undistorted_radius(&self, limit: &Limit, radius: f64) -> Option<f64> {
         if limit.distorted == f64::INFINITY && limit.undistorted.is_finite() {
-            // Up to a pole, where the quotient is not even of a sign: numerator and divisor alone are finite, and cross zero once.
+            // Up to a pole, where the quotient is not even of a sign: numerator and divisor alone
+            // are finite, and cross zero once.
             let crossing = |r: f64| {
                 let q = r * r;
                 let [above, rise] = value_and_slope(Scalar, &self.radial, q);
@@ -307,11 +315,13 @@ impl<const N: usize> Brown<N> {
         Some(invert(radius, [0.0, high], radius, radial))
     }
 
-    /// Whether there is no fold on the way from the middle to a point: past it there may be other places that are not turned over.
+    /// Whether there is no fold on the way from the middle to a point: past it there may be other
+    /// places that are not turned over.
     ///
-    /// The way is looked at from where a fold may be on. A step is a sixteenth of the way at most, and a quarter of the radius: what
-    /// folds near the middle is as wide as its radius, however far out the point is. Where the determinant is least between two steps,
-    /// it is looked at more closely: a fold may be as narrow as it likes.
+    /// The way is looked at from where a fold may be on. A step is a sixteenth of the way at most,
+    /// and a quarter of the radius: what folds near the middle is as wide as its radius, however
+    /// far out the point is. Where the determinant is least between two steps, it is looked at more
+    /// closely: a fold may be as narrow as it likes.
     fn is_before_fold(&self, limit: &Limit, point: DVec2) -> bool {
         let end = point.length();
         let mut radius = limit.probed;
@@ -361,8 +371,9 @@ impl<const N: usize> Brown<N> {
     }
 }
 
-/// Whether a function is above zero between three places, the middle one of which is the least, where it is at its least in between: by
-/// golden section (Kiefer, "Sequential Minimax Search for a Maximum", Proceedings of the AMS 4(3), 1953).
+/// Whether a function is above zero between three places, the middle one of which is the least,
+/// where it is at its least in between: by golden section (Kiefer, "Sequential Minimax Search for a
+/// Maximum", Proceedings of the AMS 4(3), 1953).
 fn is_above_zero([low, middle, high]: [[f64; 2]; 3], f: impl Fn(f64) -> f64) -> bool {
     /// The number of steps, which leave a hundred-thousandth of the interval.
     const STEPS: u32 = 24;

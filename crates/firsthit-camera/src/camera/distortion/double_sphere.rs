@@ -1,6 +1,8 @@
-//! The double sphere model: two spheres whose centres are `xi` apart, then a pinhole beside the second one's.
+//! The double sphere model: two spheres whose centres are `xi` apart, then a pinhole beside the
+//! second one's.
 //!
-//! Usenko, Demmel and Cremers, "The Double Sphere Camera Model", 3DV 2018, equations 40 to 42 and 46 to 52.
+//! Usenko, Demmel and Cremers, "The Double Sphere Camera Model", 3DV 2018, equations 40 to 42 and
+//! 46 to 52.
 
 use super::unified::{backmost, height};
 use super::{Distortion, Limit};
@@ -11,7 +13,8 @@ use crate::geometry::{DVec2, DVec3, Domain, settings};
 settings! {
     /// The double sphere model.
     pub struct DoubleSphere {
-        /// The distance between the spheres' centres. Above 1 directions are seen whose -z is below 1 / xi of their length.
+        /// The distance between the spheres' centres. Above 1 directions are seen whose -z is below
+        /// 1 / xi of their length.
         xi: f64, Domain::Above(-1.0), default 0.0;
         /// From 0, a pinhole, to 1, as in the unified model.
         alpha: f64, Domain::From(0.0, 1.0), default 0.0;
@@ -45,8 +48,9 @@ impl Distortion for DoubleSphere {
         let d1 = (r2 + z * z).sqrt();
         let deeper = xi * d1 + z;
         let d2 = (r2 + deeper * deeper).sqrt();
-        // Up to the fold of the second sphere; and of the first, which has one where the second's centre is outside it. The paper's w2,
-        // which takes a direction of the first sphere for one of the second, is not where they are. Written so that a NaN fails.
+        // Up to the fold of the second sphere; and of the first, which has one where the second's
+        // centre is outside it. The paper's w2, which takes a direction of the first sphere for one
+        // of the second, is not where they are. Written so that a NaN fails.
         let is_seen = deeper > backmost(alpha) * d2 && (xi <= 1.0 || xi * z > -d1);
         if !is_seen {
             return None;

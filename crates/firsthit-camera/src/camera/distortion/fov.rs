@@ -1,8 +1,11 @@
-//! The field-of-view model: the radius in the image is about proportional to the angle, as of a wide-angle lens of few parameters.
+//! The field-of-view model: the radius in the image is about proportional to the angle, as of a
+//! wide-angle lens of few parameters.
 //!
-//! A direction at the angle a to the axis is seen at the radius atan(2 tan(omega / 2) tan(a)) / omega.
+//! A direction at the angle a to the axis is seen at the radius atan(2 tan(omega / 2) tan(a)) /
+//! omega.
 //!
-//! Devernay and Faugeras, "Straight Lines Have to Be Straight", Machine Vision and Applications 13(1), 2001 (equation 13).
+//! Devernay and Faugeras, "Straight Lines Have to Be Straight", Machine Vision and Applications
+//! 13(1), 2001 (equation 13).
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -15,7 +18,8 @@ use crate::geometry::{Domain, settings};
 settings! {
     /// The field-of-view model, which sees what is in front.
     pub struct Fov {
-        /// The field of view of an ideal fisheye, in radians; the sign does not matter. Default: 0, a pinhole.
+        /// The field of view of an ideal fisheye, in radians; the sign does not matter. Default: 0,
+        /// a pinhole.
         omega: f64, Domain::Between(-PI, PI), default 0.0;
     }
 }

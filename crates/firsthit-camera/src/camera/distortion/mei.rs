@@ -1,6 +1,8 @@
-//! Mei's model: the direction, at length one, is seen from a point `xi` behind the sphere's centre, and then distorted as OpenCV does.
+//! Mei's model: the direction, at length one, is seen from a point `xi` behind the sphere's centre,
+//! and then distorted as OpenCV does.
 //!
-//! Mei and Rives, "Single View Point Omnidirectional Camera Calibration from Planar Grids", ICRA 2007. It is what `cv2.omnidir` has.
+//! Mei and Rives, "Single View Point Omnidirectional Camera Calibration from Planar Grids",
+//! ICRA 2007. It is what `cv2.omnidir` has.
 
 use super::opencv::OpenCv;
 use super::{Distortion, Limit};

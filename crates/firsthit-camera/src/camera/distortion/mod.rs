@@ -1,8 +1,10 @@
 //! Models of lenses: from directions to a normalised image, and back; a file per model.
 //!
-//! Directions have x to the right, y down and z ahead. The normalised image has x to the right and y down; near its middle it is
-//! x / z and y / z, but for the models of which the paper says otherwise. Where a model folds over, so that a point of the image would
-//! have several directions, it ends: the directions beyond are nowhere in the picture, and what is beyond in the picture sees nothing.
+//! Directions have x to the right, y down and z ahead. The normalised image has x to the right and
+//! y down; near its middle it is x / z and y / z, but for the models of which the paper says
+//! otherwise. Where a model folds over, so that a point of the image would have several directions,
+//! it ends: the directions beyond are nowhere in the picture, and what is beyond in the picture
+//! sees nothing.
 
 #![allow(
     clippy::inline_always,
@@ -47,7 +49,8 @@ pub struct Limit {
     /// The undistorted radius up to which no fold was found: up to there every solution that is not
     /// turned over is taken for the one, without a look at the way to it.
     probed: f64,
-    /// About what the radius is multiplied by to be undistorted, or to be an angle, as a function of its square.
+    /// About what the radius is multiplied by to be undistorted, or to be an angle, as a function
+    /// of its square.
     start: Start,
 }
 
@@ -68,7 +71,8 @@ pub(super) trait Distortion: Copy + Send + Sync {
     /// Whether its directions have length one, but for rounding.
     const IS_UNIT: bool = false;
 
-    /// Whether it is a perspective camera's, all of whose directions are less than a right angle off the axis: it may have a thin lens.
+    /// Whether it is a perspective camera's, all of whose directions are less than a right angle
+    /// off the axis: it may have a thin lens.
     const IS_PERSPECTIVE: bool = false;
 
     /// Whether the sensor is tilted, so that what is in focus would be too.
@@ -77,7 +81,8 @@ pub(super) trait Distortion: Copy + Send + Sync {
     }
     /// Finds out where it folds over.
     ///
-    /// `farthest` is how far from the middle the image's points are that will be asked for, about: a start for these is prepared.
+    /// `farthest` is how far from the middle the image's points are that will be asked for, about:
+    /// a start for these is prepared.
     fn limit(&self, _farthest: f64) -> Limit {
         Limit::default()
     }

@@ -2,11 +2,14 @@
 
 use crate::geometry::DVec2;
 
-/// Solves `f(x) = y` for an `f` that rises from below `y` at `low` to above it at `high`; `f` gives value and slope.
+/// Solves `f(x) = y` for an `f` that rises from below `y` at `low` to above it at `high`; `f` gives
+/// value and slope.
 ///
-/// Newton's method, safeguarded by bisection (`rtsafe` of Press and others, "Numerical Recipes", 2007, section 9.4). A Newton step is
-/// taken if it stays in the interval and is at most half as long as the step before; else the interval is halved. Where a power x^p
-/// dominates, Newton shortens the distance to the root only by the factor (p - 1) / p a step, and bisection is faster.
+/// Newton's method, safeguarded by bisection (`rtsafe` of Press and others, "Numerical Recipes",
+/// 2007, section 9.4). A Newton step is taken if it stays in the interval and is at most half as
+/// long as the step before; else the interval is halved. Where a power x^p dominates, Newton
+/// shortens the distance to the root only by the factor (p - 1) / p a step, and bisection is
+/// faster.
 pub(super) fn invert(
     y: f64,
     [mut low, mut high]: [f64; 2],
@@ -59,8 +62,8 @@ impl Mapped {
 
 /// Solves `f(x) = y` near `start`, where the derivative is regular and turns nothing over.
 ///
-/// `f` gives nothing outside its domain. A step that would leave it, cross the fold or lead farther away is halved. `None` where
-/// there is no solution.
+/// `f` gives nothing outside its domain. A step that would leave it, cross the fold or lead farther
+/// away is halved. `None` where there is no solution.
 pub(super) fn invert_in_plane(
     y: DVec2,
     start: DVec2,

@@ -1,16 +1,19 @@
-//! OpenCV's model: radial, as a quotient of polynomials, tangential and thin prism distortion, and a tilted sensor.
+//! OpenCV's model: radial, as a quotient of polynomials, tangential and thin prism distortion, and
+//! a tilted sensor.
 //!
 //! With q = x² + y² for a direction (x, y, 1):
 //!
 //! 1. radial: (x, y) times (1 + k1 q + k2 q² + k3 q³) / (1 + k4 q + k5 q² + k6 q³);
 //! 2. tangential: plus (2 p1 x y + p2 (q + 2 x²), p1 (q + 2 y²) + 2 p2 x y);
 //! 3. thin prism: plus (s1 q + s2 q², s3 q + s4 q²);
-//! 4. tilted sensor: the perspective map of a rotation about x by `tau_x` and then about y by `tau_y`.
+//! 4. tilted sensor: the perspective map of a rotation about x by `tau_x` and then about y by
+//!    `tau_y`.
 //!
-//! Brown, "Close-Range Camera Calibration", Photogrammetric Engineering 37(8), 1971; Claus and Fitzgibbon, "A Rational Function Lens
-//! Distortion Model for General Cameras", CVPR 2005; Weng, Cohen and Herniou, "Camera Calibration with Distortion Models and Accuracy
-//! Evaluation", PAMI 14(10), 1992; Louhichi and others, "Self-calibration of Scheimpflug cameras", Measurement Science and Technology
-//! 18(8), 2007.
+//! Brown, "Close-Range Camera Calibration", Photogrammetric Engineering 37(8), 1971; Claus and
+//! Fitzgibbon, "A Rational Function Lens Distortion Model for General Cameras", CVPR 2005; Weng,
+//! Cohen and Herniou, "Camera Calibration with Distortion Models and Accuracy Evaluation", PAMI
+//! 14(10), 1992; Louhichi and others, "Self-calibration of Scheimpflug cameras", Measurement
+//! Science and Technology 18(8), 2007.
 
 use std::f64::consts::FRAC_PI_2;
 

@@ -1,4 +1,5 @@
-//! Polynomials of one variable: their values, products, and where they change their sign at positive x.
+//! Polynomials of one variable: their values, products, and where they change their sign at
+//! positive x.
 
 /// The value at `x`; coefficients begin with the constant.
 pub(super) fn value(coefficients: &[f64], x: f64) -> f64 {
@@ -24,8 +25,8 @@ pub(super) fn product(a: &[f64], b: &[f64]) -> Vec<f64> {
 
 /// The positive x at which the polynomial changes its sign, in rising order.
 ///
-/// Between two neighbouring roots of the derivative it is monotone, so a change of sign there encloses one root, which bisection
-/// finds to the last digit.
+/// Between two neighbouring roots of the derivative it is monotone, so a change of sign there
+/// encloses one root, which bisection finds to the last digit.
 pub(super) fn sign_changes(coefficients: &[f64]) -> Vec<f64> {
     let degree = coefficients.iter().rposition(|&c| c != 0.0).unwrap_or(0);
     let coefficients = &coefficients[..(degree + 1).min(coefficients.len())];

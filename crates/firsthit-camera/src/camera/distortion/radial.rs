@@ -1,9 +1,10 @@
 //! Fisheyes: the radius in the image is a function of the angle to the axis alone.
 //!
-//! The classical projections: equidistant, equisolid angle, stereographic, orthographic (Fleck, "Perspective Projection: the Wrong
-//! Imaging Model", University of Iowa TR 95-01, 1995). Polynomials of the angle: Kannala and Brandt, "A Generic Camera Model and
-//! Calibration Method for Conventional, Wide-Angle, and Fish-Eye Lenses", PAMI 28(8), 2006, of which this is the part that is the same
-//! all around (equation 6). OpenCV's fisheye is that with a first coefficient of one.
+//! The classical projections: equidistant, equisolid angle, stereographic, orthographic (Fleck,
+//! "Perspective Projection: the Wrong Imaging Model", University of Iowa TR 95-01, 1995).
+//! Polynomials of the angle: Kannala and Brandt, "A Generic Camera Model and Calibration Method for
+//! Conventional, Wide-Angle, and Fish-Eye Lenses", PAMI 28(8), 2006, of which this is the part that
+//! is the same all around (equation 6). OpenCV's fisheye is that with a first coefficient of one.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -106,8 +107,8 @@ fn half_fov(fov: f64) -> f64 {
 settings! {
     /// The radius is the angle.
     pub struct Equidistant {
-        /// Degrees across the circle beyond which nothing is seen. Without an intrinsic matrix it touches the picture's longer edges, and
-        /// is 180 by default.
+        /// Degrees across the circle beyond which nothing is seen. Without an intrinsic matrix it
+        /// touches the picture's longer edges, and is 180 by default.
         fov: f64, Domain::UpTo(360.0), default 360.0;
     }
 }
@@ -115,8 +116,8 @@ settings! {
 settings! {
     /// The radius is 2 sin(angle / 2): equal solid angles have equal areas.
     pub struct Equisolid {
-        /// Degrees across the circle beyond which nothing is seen. Without an intrinsic matrix it touches the picture's longer edges, and
-        /// is 180 by default.
+        /// Degrees across the circle beyond which nothing is seen. Without an intrinsic matrix it
+        /// touches the picture's longer edges, and is 180 by default.
         fov: f64, Domain::UpTo(360.0), default 360.0;
     }
 }
@@ -124,8 +125,8 @@ settings! {
 settings! {
     /// The radius is 2 tan(angle / 2): angles between curves are as they are seen.
     pub struct Stereographic {
-        /// Degrees across the circle beyond which nothing is seen. Without an intrinsic matrix it touches the picture's longer edges, and
-        /// is 180 by default.
+        /// Degrees across the circle beyond which nothing is seen. Without an intrinsic matrix it
+        /// touches the picture's longer edges, and is 180 by default.
         fov: f64, Domain::Between(0.0, 360.0), default 350.0;
     }
 }
@@ -133,8 +134,8 @@ settings! {
 settings! {
     /// The radius is sin(angle).
     pub struct OrthographicFisheye {
-        /// Degrees across the circle beyond which nothing is seen. Without an intrinsic matrix it touches the picture's longer edges, and
-        /// is 180 by default.
+        /// Degrees across the circle beyond which nothing is seen. Without an intrinsic matrix it
+        /// touches the picture's longer edges, and is 180 by default.
         fov: f64, Domain::UpTo(180.0), default 180.0;
     }
 }
@@ -262,7 +263,8 @@ settings! {
     }
 }
 
-/// The radius is a polynomial in odd powers of the angle, with these coefficients: a part of another model, which names them.
+/// The radius is a polynomial in odd powers of the angle, with these coefficients: a part of
+/// another model, which names them.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct AngleSeries(pub(super) [f64; 7]);
 

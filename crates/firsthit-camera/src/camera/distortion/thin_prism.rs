@@ -1,17 +1,20 @@
-//! Fisheyes that are not the same all around: tangential and thin prism distortion of an image whose radius is the angle, or a
-//! polynomial of it.
+//! Fisheyes that are not the same all around: tangential and thin prism distortion of an image
+//! whose radius is the angle, or a polynomial of it.
 //!
-//! [`ThinPrismFisheye`] is the model of COLMAP (Schönberger and Frahm, "Structure-from-Motion Revisited", CVPR 2016) and of ETH3D
-//! (Schöps and others, "A Multi-View Stereo Benchmark with High-Resolution Images and Multi-Camera Videos", CVPR 2017). The direction at
-//! the angle a to the axis is put at the radius a, and that point (x, y) is distorted as by [`OpenCv`](super::OpenCv). With q = a²:
+//! [`ThinPrismFisheye`] is the model of COLMAP (Schönberger and Frahm, "Structure-from-Motion
+//! Revisited", CVPR 2016) and of ETH3D (Schöps and others, "A Multi-View Stereo Benchmark with
+//! High-Resolution Images and Multi-Camera Videos", CVPR 2017). The direction at the angle a to the
+//! axis is put at the radius a, and that point (x, y) is distorted as by [`OpenCv`](super::OpenCv).
+//! With q = a²:
 //!
 //! 1. radial: (x, y) times 1 + k1 q + k2 q² + k3 q³ + k4 q⁴;
 //! 2. tangential: plus (2 p1 x y + p2 (q + 2 x²), p1 (q + 2 y²) + 2 p2 x y);
 //! 3. thin prism: plus (sx1 q, sy1 q).
 //!
-//! [`RadTanThinPrismFisheye`] is the model of the cameras of Project Aria (Engel and others, "Project Aria: A New Tool for Egocentric
-//! Multi-Modal AI Research", 2023). Its parts come one after the other. The direction at the angle a is put at the radius
-//! a (1 + k0 a² + ... + k5 a¹²). With q = x² + y² of that point (x, y):
+//! [`RadTanThinPrismFisheye`] is the model of the cameras of Project Aria (Engel and others,
+//! "Project Aria: A New Tool for Egocentric Multi-Modal AI Research", 2023). Its parts come one
+//! after the other. The direction at the angle a is put at the radius a (1 + k0 a² + ... + k5 a¹²).
+//! With q = x² + y² of that point (x, y):
 //!
 //! 1. tangential: plus (p0 (q + 2 x²) + 2 p1 x y, 2 p0 x y + p1 (q + 2 y²));
 //! 2. thin prism: plus (s0 q + s1 q², s2 q + s3 q²).
@@ -147,8 +150,8 @@ impl RadTanThinPrismFisheye {
     }
 }
 
-/// The limit of the second stage, which distorts the polynomial's image. It has no fold of its own by radius; how far it was probed
-/// is kept in the limit of the lens.
+/// The limit of the second stage, which distorts the polynomial's image. It has no fold of its own
+/// by radius; how far it was probed is kept in the limit of the lens.
 fn of_plane(limit: &Limit) -> Limit {
     Limit { probed: limit.probed, ..Limit::default() }
 }

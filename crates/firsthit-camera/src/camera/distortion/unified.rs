@@ -1,10 +1,13 @@
-//! The unified camera model and the enhanced one: a sphere or an ellipsoid, seen from a point beside its centre.
+//! The unified camera model and the enhanced one: a sphere or an ellipsoid, seen from a point
+//! beside its centre.
 //!
-//! With d = sqrt(beta (x² + y²) + z²), a direction is seen at (x, y) / (alpha d + (1 - alpha) z). The unified model has a beta of 1.
+//! With d = sqrt(beta (x² + y²) + z²), a direction is seen at (x, y) / (alpha d + (1 - alpha) z).
+//! The unified model has a beta of 1.
 //!
-//! Geyer and Daniilidis, "A Unifying Theory for Central Panoramic Systems and Practical Implications", ECCV 2000; Khomutenko, Garcia and
-//! Martinet, "An Enhanced Unified Camera Model", RA-L 1(1), 2016; in the form of Usenko, Demmel and Cremers, "The Double Sphere Camera
-//! Model", 3DV 2018.
+//! Geyer and Daniilidis, "A Unifying Theory for Central Panoramic Systems and Practical
+//! Implications", ECCV 2000; Khomutenko, Garcia and Martinet, "An Enhanced Unified Camera Model",
+//! RA-L 1(1), 2016; in the form of Usenko, Demmel and Cremers, "The Double Sphere Camera Model",
+//! 3DV 2018.
 
 use super::{Distortion, Limit};
 use crate::camera::quick::{Known, Pair, square};
@@ -29,8 +32,8 @@ settings! {
     }
 }
 
-/// The height z of the direction that is seen at the squared distance `r2` from the middle, where x and y are those of the image; and
-/// what is under the square root in it.
+/// The height z of the direction that is seen at the squared distance `r2` from the middle, where x
+/// and y are those of the image; and what is under the square root in it.
 #[inline(always)]
 pub(super) fn height<A: Arithmetic>(of: A, alpha: f64, r2: A::Number) -> (A::Number, A::Number) {
     let one = of.number(1.0);

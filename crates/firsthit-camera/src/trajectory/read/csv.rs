@@ -37,11 +37,12 @@ const POSE: [Names; 7] = [
     &["qw"],
 ];
 
-/// Reads CSV with commas and a header, which names the columns `time`, `x`, `y`, `z`, `qx`, `qy`, `qz` and `qw` in any order,
-/// in small or capital letters. `path` is what errors call the text.
+/// Reads CSV with commas and a header, which names the columns `time`, `x`, `y`, `z`, `qx`, `qy`,
+/// `qz` and `qw` in any order, in small or capital letters. `path` is what errors call the text.
 ///
-/// The time may also be `t` or `timestamp`. It is in seconds, unless the name ends in `_ms`, `_us` or `_ns`. The position may
-/// also be `tx`, `ty`, `tz` or `position_x` and so on. Other columns are passed over, and so are lines that start with `#`.
+/// The time may also be `t` or `timestamp`. It is in seconds, unless the name ends in `_ms`, `_us`
+/// or `_ns`. The position may also be `tx`, `ty`, `tz` or `position_x` and so on. Other columns are
+/// passed over, and so are lines that start with `#`.
 ///
 /// # Errors
 ///

@@ -13,19 +13,21 @@ use crate::memory;
 /// Poses in a second.
 const RATE: f64 = 10.0;
 
-/// Reads KITTI's odometry poses: in each line the twelve numbers of a 3 x 4 matrix, row by row, which takes coordinates of the
-/// left camera to those of the world. `path` is what errors call the text.
+/// Reads KITTI's odometry poses: in each line the twelve numbers of a 3 x 4 matrix, row by row,
+/// which takes coordinates of the left camera to those of the world. `path` is what errors call the
+/// text.
 ///
-/// The `times`, in seconds, stand in another file ([`read_kitti_times`]). Without them there are ten poses a second, the first
-/// at zero, as KITTI's scanner turns.
+/// The `times`, in seconds, stand in another file ([`read_kitti_times`]). Without them there are
+/// ten poses a second, the first at zero, as KITTI's scanner turns.
 ///
-/// The matrix must be a rotation within 0.0001; the nearest rotation is taken. KITTI's bodies are cameras of
-/// [right, down, forwards](super::super::BodyAxes::RightDownForwards), and its world is the first of them.
+/// The matrix must be a rotation within 0.0001; the nearest rotation is taken. KITTI's bodies are
+/// cameras of [right, down, forwards](super::super::BodyAxes::RightDownForwards), and its world is
+/// the first of them.
 ///
 /// # Errors
 ///
-/// The errors of [`TrajectoryFormat::read`](super::TrajectoryFormat::read), and [`Error::Argument`] for times that are not as many
-/// as the poses, and for those that [`Trajectory::new`] refuses.
+/// The errors of [`TrajectoryFormat::read`](super::TrajectoryFormat::read), and [`Error::Argument`]
+/// for times that are not as many as the poses, and for those that [`Trajectory::new`] refuses.
 pub fn read_kitti(text: &[u8], path: &Path, times: Option<&[f64]>) -> Result<Trajectory> {
     let mut rows = Rows::default();
     for line in Lines::new(text, path)? {
@@ -54,7 +56,8 @@ pub fn read_kitti(text: &[u8], path: &Path, times: Option<&[f64]>) -> Result<Tra
     Trajectory::new(copy, trajectory.poses)
 }
 
-/// Reads KITTI's `times.txt`: the seconds of each pose, one in a line. `path` is what errors call the text.
+/// Reads KITTI's `times.txt`: the seconds of each pose, one in a line. `path` is what errors call
+/// the text.
 ///
 /// # Errors
 ///

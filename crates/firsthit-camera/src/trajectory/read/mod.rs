@@ -1,6 +1,7 @@
 //! Trajectories from text: a file for each format. Opening files is for others.
 //!
-//! A text is untrusted: no count in it sizes an allocation, and what is kept of it takes at most eight times its size.
+//! A text is untrusted: no count in it sizes an allocation, and what is kept of it takes at most
+//! eight times its size.
 
 // A reader that panics is a reader that a file can crash.
 #![cfg_attr(
@@ -63,8 +64,8 @@ impl TrajectoryFormat {
     ///
     /// # Errors
     ///
-    /// [`Error::Parse`](crate::error::Error::Parse) with line and column for what is wrong in the text, and
-    /// [`Error::Limit`](crate::error::Error::Limit) when memory is short.
+    /// [`Error::Parse`](crate::error::Error::Parse) with line and column for what is wrong in the
+    /// text, and [`Error::Limit`](crate::error::Error::Limit) when memory is short.
     pub fn read(self, text: &[u8], path: &Path) -> Result<Trajectory> {
         match self {
             Self::Csv => read_csv(text, path),

@@ -19,13 +19,16 @@ const MESSAGES: [[&str; 2]; 4] = [
     ["field.position", "field.orientation"],
 ];
 
-/// Reads what `rostopic echo -p -b FILE.bag TOPIC` prints of poses, odometry and transforms: CSV with a header such as
-/// `%time,field.header.stamp,field.pose.position.x` and so on. `path` is what errors call the text.
+/// Reads what `rostopic echo -p -b FILE.bag TOPIC` prints of poses, odometry and transforms: CSV
+/// with a header such as `%time,field.header.stamp,field.pose.position.x` and so on. `path` is what
+/// errors call the text.
 ///
-/// Times are whole nanoseconds: those of `field.header.stamp`, when it was measured, or where there are none those of `%time`,
-/// when it was recorded. A float64 holds the seconds of our days to a quarter of a microsecond.
+/// Times are whole nanoseconds: those of `field.header.stamp`, when it was measured, or where there
+/// are none those of `%time`, when it was recorded. A float64 holds the seconds of our days to a
+/// quarter of a microsecond.
 ///
-/// Bodies of ROS are [forwards, left, up](super::super::BodyAxes::ForwardsLeftUp), unless the frame is an optical one.
+/// Bodies of ROS are [forwards, left, up](super::super::BodyAxes::ForwardsLeftUp), unless the frame
+/// is an optical one.
 ///
 /// # Errors
 ///

@@ -102,7 +102,8 @@ fn kitti_has_ten_poses_a_second_or_the_times_that_are_given() {
     );
 }
 
-/// The nearest rotation maximises the trace of its product with the matrix: no rotation beside it does better.
+/// The nearest rotation maximises the trace of its product with the matrix: no rotation beside it
+/// does better.
 #[test]
 fn the_rotation_that_is_nearest_to_a_matrix_is_taken() {
     let rotation = super::super::rotation::exp(DVec3::new(0.4, -1.2, 2.0));

@@ -86,7 +86,8 @@ impl<'a> Line<'a> {
         })
     }
 
-    /// The fields between commas, without blanks and quotes around them. There may be commas between quotes.
+    /// The fields between commas, without blanks and quotes around them. There may be commas
+    /// between quotes.
     pub(super) fn fields(self) -> impl Iterator<Item = Field<'a>> {
         let mut at = Some(0);
         std::iter::from_fn(move || {
@@ -173,8 +174,8 @@ impl<'a> Field<'a> {
         self.seconds(Unit::SECOND)
     }
 
-    /// The number here in units of time, as seconds. Decimals are rounded once: `1305031102175304000` nanoseconds are the
-    /// float64 of `1305031102.175304` seconds.
+    /// The number here in units of time, as seconds. Decimals are rounded once:
+    /// `1305031102175304000` nanoseconds are the float64 of `1305031102.175304` seconds.
     ///
     /// # Errors
     ///

@@ -7,8 +7,9 @@ use super::rows::Rows;
 use super::text::Lines;
 use crate::error::Result;
 
-/// Reads what TUM's RGB-D benchmark and most SLAM programs write: `timestamp tx ty tz qx qy qz qw` in each line, in seconds, with
-/// blanks between. Lines that start with `#` are comments. `path` is what errors call the text.
+/// Reads what TUM's RGB-D benchmark and most SLAM programs write: `timestamp tx ty tz qx qy qz qw`
+/// in each line, in seconds, with blanks between. Lines that start with `#` are comments. `path` is
+/// what errors call the text.
 ///
 /// TUM's bodies are cameras of [right, down, forwards](super::super::BodyAxes::RightDownForwards).
 ///

@@ -177,7 +177,8 @@ fn tell(
     Ok(())
 }
 
-/// Writes each output its channels of the picture, which are taken out where no later one has them; returns their legends.
+/// Writes each output its channels of the picture, which are taken out where no later one has them;
+/// returns their legends.
 fn write_all(
     picture: &mut Frame,
     orders: &[Order],
@@ -195,7 +196,8 @@ fn write_all(
     Ok(legends)
 }
 
-/// The kinds of all outputs, each once; the object, from which it is known what was hit; and the samples where a noise ends them.
+/// The kinds of all outputs, each once; the object, from which it is known what was hit; and the
+/// samples where a noise ends them.
 fn all_kinds(orders: &[Order], noise: Option<f64>) -> Result<Vec<&'static ChannelKind>, Failure> {
     let mut kinds: Vec<&'static ChannelKind> = vec![firsthit::channel::kind("object")?];
     if noise.is_some() && orders.iter().any(needs_shade) {

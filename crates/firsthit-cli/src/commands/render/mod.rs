@@ -180,7 +180,8 @@ pub(crate) fn asked_for(
         Some(lights) => scene.with_lights(lights),
         None => scene.with_lights(model.lights.clone()),
     };
-    // Of a standard view, up is the world's; of a camera that is aimed, it may be the picture's alone.
+    // Of a standard view, up is the world's; of a camera that is aimed, it may be the picture's
+    // alone.
     let is_view = args.camera.aim.is_none() && args.camera.look_at.is_none();
     let scene_up = (args.camera.up.filter(|_| is_view)).unwrap_or_else(|| model.up_in(&scene));
     let scene = scene.with_environment(model.environment.clone()).with_up(scene_up);
@@ -263,7 +264,8 @@ fn default_output(input: &Path) -> PathBuf {
     name.into()
 }
 
-/// The lines along edges: as the command line says, the rest as the file says; `None` where neither asks for any.
+/// The lines along edges: as the command line says, the rest as the file says; `None` where neither
+/// asks for any.
 fn edges(args: &EdgeArgs, of_file: Option<Edges>) -> Option<Edges> {
     if args.no_edges {
         return None;

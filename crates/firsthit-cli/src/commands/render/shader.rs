@@ -14,7 +14,8 @@ const LAMBERT: &str = "lambert";
 pub(super) const AMBIENT: &str = "ambient";
 pub(super) const SHADOWS: &str = "shadows";
 
-/// The shader that is asked for; `None` where none is. `rig` is the set of lights that is asked for.
+/// The shader that is asked for; `None` where none is. `rig` is the set of lights that is asked
+/// for.
 pub(super) fn shader(
     args: &LightingArgs,
     of_file: Option<&Shader>,

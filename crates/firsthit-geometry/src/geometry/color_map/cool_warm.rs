@@ -1,5 +1,6 @@
-//! Moreland's map from cool to warm: straight lines in polar coordinates of CIELAB, from each end to white ("Diverging Color Maps for
-//! Scientific Visualization", International Symposium on Visual Computing 2009). The numbers are those of the paper.
+//! Moreland's map from cool to warm: straight lines in polar coordinates of CIELAB, from each end
+//! to white ("Diverging Color Maps for Scientific Visualization", International Symposium on Visual
+//! Computing 2009). The numbers are those of the paper.
 
 use crate::geometry::srgb_encode;
 
@@ -29,8 +30,8 @@ pub(super) fn levels(number: f64) -> [u8; 3] {
 
 /// CIELAB with the white D65 as levels of sRGB.
 ///
-/// White and matrix are those of Lindbloom, rounded to fit each other, so that grey comes out grey. The daylight's matrix has more
-/// digits, and would move five of the 256 steps by one level.
+/// White and matrix are those of Lindbloom, rounded to fit each other, so that grey comes out grey.
+/// The daylight's matrix has more digits, and would move five of the 256 steps by one level.
 fn from_lab([lightness, a, b]: [f64; 3]) -> [u8; 3] {
     let cubed = |root: f64| {
         if root > 6.0 / 29.0 {

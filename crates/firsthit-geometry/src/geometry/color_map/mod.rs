@@ -8,8 +8,9 @@ use super::{Color, named, srgb_decode_level};
 use crate::parallel;
 
 named! {
-    /// A colour map, from the colour of 0 to that of 1 in 256 steps. But for `turbo` and `spectral`, equal differences of numbers look
-    /// equally large, and lighter ones are larger, or farther from the middle.
+    /// A colour map, from the colour of 0 to that of 1 in 256 steps. But for `turbo` and
+    /// `spectral`, equal differences of numbers look equally large, and lighter ones are larger, or
+    /// farther from the middle.
     pub enum ColorMap, "color map":
     /// Violet, green, yellow (van der Walt and Smith, 2015).
     #[default]
@@ -24,8 +25,8 @@ named! {
     "magma" => Magma;
     /// A rainbow without bands (Mikhailov, 2019).
     "turbo" => Turbo;
-    /// Blue to red with a grey middle, for numbers around one that counts (Moreland, "Diverging Color Maps for Scientific
-    /// Visualization", 2009).
+    /// Blue to red with a grey middle, for numbers around one that counts (Moreland, "Diverging
+    /// Color Maps for Scientific Visualization", 2009).
     "coolwarm" => CoolWarm;
     /// Red, yellow, blue (Brewer, 2003).
     "spectral" => Spectral;
@@ -67,7 +68,8 @@ impl ColorMap {
         table[step.min(STEPS - 1)]
     }
 
-    /// The colour of a step from 0 to 255, as sRGB levels of red, green and blue. Steps above are the last one.
+    /// The colour of a step from 0 to 255, as sRGB levels of red, green and blue. Steps above are
+    /// the last one.
     pub fn levels(self, step: usize) -> [u8; 3] {
         let step = step.min(STEPS - 1);
         let gradient = match self {

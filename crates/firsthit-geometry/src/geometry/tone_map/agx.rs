@@ -1,7 +1,8 @@
 use super::rows;
 use crate::geometry::{Color, DMat3};
 
-/// Linear Rec. 709 to primaries that are drawn in towards white, so that saturated colours fade where they are bright.
+/// Linear Rec. 709 to primaries that are drawn in towards white, so that saturated colours fade
+/// where they are bright.
 #[rustfmt::skip]
 const INSET: DMat3 = rows([
     [0.842_479_062_253_094, 0.078_433_599_999_999_2, 0.079_223_745_147_764_3],
@@ -17,7 +18,8 @@ const OUTSET: DMat3 = rows([
     [-0.052_971_635_514_443_8, -0.098_043_450_117_124_1, 1.151_073_672_641_16],
 ]);
 
-/// The logarithms to base 2 of what becomes 0 and 1: ten stops below a middle grey of 0.18, and six and a half above it.
+/// The logarithms to base 2 of what becomes 0 and 1: ten stops below a middle grey of 0.18, and six
+/// and a half above it.
 const EV: [f64; 2] = [-12.473_93, 4.026_069];
 
 /// The place of middle grey among the stops.
@@ -36,9 +38,9 @@ const TOE: Bend = Bend { power: 3.0, scale: 0.512_277_382_293_071 };
 /// The exponent of display-encoded values.
 const DISPLAY_GAMMA: f64 = 2.2;
 
-/// AgX with its default contrast: Troy Sobotka, "AgX" (the OpenColorIO configuration, 2022), in the compact form of Benjamin
-/// Wrensch, "Minimal AgX Implementation" (2023), but with the sigmoid itself in place of that one's polynomial, which does not reach
-/// white.
+/// AgX with its default contrast: Troy Sobotka, "AgX" (the OpenColorIO configuration, 2022), in the
+/// compact form of Benjamin Wrensch, "Minimal AgX Implementation" (2023), but with the sigmoid
+/// itself in place of that one's polynomial, which does not reach white.
 pub(super) fn agx(color: Color) -> Color {
     let shown = OUTSET * (INSET * color).map(|x| contrast(stops(x)));
     shown.map(|x| libm::pow(x.clamp(0.0, 1.0), DISPLAY_GAMMA))
@@ -90,7 +92,8 @@ mod tests {
         assert_eq!(contrast(MIDDLE), SHOWN_MIDDLE);
     }
 
-    /// His mean squared error is 4e-6 from a fit to a table of 1024 steps; the largest error is where it misses white and black.
+    /// His mean squared error is 4e-6 from a fit to a table of 1024 steps; the largest error is
+    /// where it misses white and black.
     #[test]
     fn the_curve_is_that_of_the_published_polynomial() {
         for step in 0..=1000 {

@@ -12,11 +12,12 @@ use exr::prelude::{Vec2, f16};
 use super::super::metadata::{ChannelRecord, Encoding, KEY, Metadata};
 use super::output::{Array, ArrayValues, Output, collected, elements, metadata_of};
 
-/// Every channel of every flat layer, at full resolution: components put together as the metadata say,
-/// or as names that programs agree on do.
+/// Every channel of every flat layer, at full resolution: components put together as the metadata
+/// say, or as names that programs agree on do.
 #[doc(hidden)]
 pub fn decode(bytes: &[u8], most: u64) -> Result<Output, String> {
-    // `exr` promises not to panic. Should it, that file is one that cannot be read, not the end of the program.
+    // `exr` promises not to panic. Should it, that file is one that cannot be read, not the end of
+    // the program.
     catch_unwind(AssertUnwindSafe(|| decode_checked(bytes, most)))
         .unwrap_or_else(|_| Err("not an EXR that can be read".to_owned()))
 }
@@ -129,7 +130,8 @@ impl Planes {
         Ok(planes)
     }
 
-    /// The channels that `metadata` know, then those that go together by convention, then the others.
+    /// The channels that `metadata` know, then those that go together by convention, then the
+    /// others.
     fn into_arrays(mut self, metadata: Option<&Metadata>) -> Result<Vec<Array>, String> {
         let mut arrays = Vec::new();
         let records = metadata.map_or(&[][..], |metadata| &metadata.channels);
@@ -151,7 +153,8 @@ impl Planes {
         Ok(arrays)
     }
 
-    /// The channels called `names` as one array, if all are there and of one type; they are then gone.
+    /// The channels called `names` as one array, if all are there and of one type; they are then
+    /// gone.
     fn take(
         &mut self,
         name: &str,
@@ -179,7 +182,8 @@ impl Planes {
     }
 }
 
-/// The samples of several planes, all of the first pixel, then all of the second; and their type's name.
+/// The samples of several planes, all of the first pixel, then all of the second; and their type's
+/// name.
 fn interleaved(
     planes: &[Vec<u32>],
     kind: SampleType,

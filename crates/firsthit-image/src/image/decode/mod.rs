@@ -1,6 +1,7 @@
 //! The decoders: bytes to numbers, a file per format.
 //!
-//! The bytes are untrusted. A decoder compares the sizes that a file claims with its length before it allocates.
+//! The bytes are untrusted. A decoder compares the sizes that a file claims with its length before
+//! it allocates.
 
 // A reader that panics is a reader that a file can crash.
 #![cfg_attr(

@@ -88,8 +88,8 @@ impl ArrayValues {
     }
 }
 
-/// The metadata of a file as its text; those that cannot be read are a note, not an error: the numbers are
-/// there all the same.
+/// The metadata of a file as its text; those that cannot be read are a note, not an error: the
+/// numbers are there all the same.
 pub(super) fn metadata_of(text: Option<&str>, notes: &mut Vec<String>) -> Option<Metadata> {
     match Metadata::from_json(text?) {
         Ok(metadata) => Some(metadata),

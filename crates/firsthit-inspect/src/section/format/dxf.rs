@@ -1,4 +1,5 @@
-//! DXF of release 12, which all programs read: a POLYLINE for each curve, on a layer for each object.
+//! DXF of release 12, which all programs read: a POLYLINE for each curve, on a layer for each
+//! object.
 
 use std::io::{self, Write};
 

@@ -78,7 +78,8 @@ impl SectionFormat {
 }
 
 impl Section {
-    /// Writes the section to a file, whole or not at all. The extension is that of one of the [`SECTION_FORMATS`].
+    /// Writes the section to a file, whole or not at all. The extension is that of one of the
+    /// [`SECTION_FORMATS`].
     ///
     /// # Errors
     ///

@@ -1,4 +1,5 @@
-//! SVG: a path of each object's closed polylines, filled by the even-odd rule, and one of its open polylines.
+//! SVG: a path of each object's closed polylines, filled by the even-odd rule, and one of its open
+//! polylines.
 
 use std::io::{self, Write};
 

@@ -1,9 +1,11 @@
-//! Radiance's pictures (.hdr, .pic): four bytes a texel, three mantissas and an exponent (Ward, "Real Pixels", Graphics Gems II, 1991).
+//! Radiance's pictures (.hdr, .pic): four bytes a texel, three mantissas and an exponent (Ward,
+//! "Real Pixels", Graphics Gems II, 1991).
 //!
 //! 1. Lines of text: the magic word, variables, comments; an empty line ends them.
-//! 2. A line with the size, which says in which order texels come: `-Y 512 +X 1024` is row by row from the top left.
-//! 3. The texels, line by line. A line is packed in the new way, each of its four components by itself; in the old way, where a
-//!    texel of 1, 1, 1, n repeats the one before; or not at all.
+//! 2. A line with the size, which says in which order texels come: `-Y 512 +X 1024` is row by row
+//!    from the top left.
+//! 3. The texels, line by line. A line is packed in the new way, each of its four components by
+//!    itself; in the old way, where a texel of 1, 1, 1, n repeats the one before; or not at all.
 
 use super::{Picture, charge};
 use crate::error::{Place, escape_controls};
@@ -16,7 +18,8 @@ pub(super) fn read(bytes: &[u8], report: &mut Report) -> Checked<Picture> {
     let order = Order::of(&mut source)?;
     let (lines, length) = (order.lines, order.length);
     charge(order.columns() as u64, order.rows() as u64, report)?;
-    // The best packed line has two bytes for 127 of a component; in the old way one texel repeats up to 2^24 times.
+    // The best packed line has two bytes for 127 of a component; in the old way one texel repeats
+    // up to 2^24 times.
     let mut texels = crate::memory::filled(lines * length, [0.0; 3])?;
     let mut line = crate::memory::filled(length, [0; 4])?;
     for number in 0..lines {
@@ -281,7 +284,8 @@ mod tests {
         read(bytes, &mut report).unwrap()
     }
 
-    /// A row of 8 texels, its components packed in every way in which a row may be: one packet, several, and runs between them.
+    /// A row of 8 texels, its components packed in every way in which a row may be: one packet,
+    /// several, and runs between them.
     #[test]
     fn packets_follow_each_other_without_a_gap() {
         let values: Vec<u8> = (1..9).map(|k| 16 * k).collect();

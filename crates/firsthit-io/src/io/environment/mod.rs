@@ -29,8 +29,9 @@ const BRIGHTEST: f32 = 65_504.0;
 ///
 /// # Errors
 ///
-/// [`Error::Read`](crate::error::Error::Read) where the system refuses, [`Error::Parse`](crate::error::Error::Parse) for content that is no such
-/// picture, and [`Error::TooLarge`](crate::error::Error::TooLarge).
+/// [`Error::Read`](crate::error::Error::Read) where the system refuses,
+/// [`Error::Parse`](crate::error::Error::Parse) for content that is no such picture, and
+/// [`Error::TooLarge`](crate::error::Error::TooLarge).
 pub fn load_environment(report: &mut Report) -> Result<EnvironmentMap> {
     let path = report.source.path().to_owned();
     read::refuse_folder(&path)?;
@@ -54,7 +55,8 @@ pub fn load_environment_part(path: &Path, whole: &mut Report) -> Result<Environm
 ///
 /// # Errors
 ///
-/// [`Error::Parse`](crate::error::Error::Parse) and [`Error::TooLarge`](crate::error::Error::TooLarge).
+/// [`Error::Parse`](crate::error::Error::Parse) and
+/// [`Error::TooLarge`](crate::error::Error::TooLarge).
 pub(crate) fn decoded(bytes: Vec<u8>, report: &mut Report) -> Result<EnvironmentMap> {
     let path = report.source.path().to_owned();
     let read = |report: &mut Report| {
@@ -100,7 +102,8 @@ fn charge(columns: u64, rows: u64, report: &mut Report) -> Checked<()> {
     check_free(usize::try_from(bytes).unwrap_or(usize::MAX))
 }
 
-/// Makes radiance of what is none: NaN and negative numbers become 0, infinity becomes [`BRIGHTEST`].
+/// Makes radiance of what is none: NaN and negative numbers become 0, infinity becomes
+/// [`BRIGHTEST`].
 fn sanitize(picture: &mut Picture, report: &mut Report) {
     let columns = picture.columns.max(1);
     let (mut count, mut first) = (0_u64, String::new());

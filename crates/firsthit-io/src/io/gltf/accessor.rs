@@ -176,8 +176,8 @@ pub(super) fn check_shape(document: &Document<'_>, index: Index, shape: &Shape) 
 }
 
 impl<'a> Packed<'a> {
-    /// The bytes of elements: a view, where in it they begin, and how many there are. The caller knows the place of these
-    /// numbers.
+    /// The bytes of elements: a view, where in it they begin, and how many there are. The caller
+    /// knows the place of these numbers.
     fn new(
         [view, Index(offset), Index(count)]: [Index; 3],
         size: usize,

@@ -326,8 +326,8 @@ pub(super) struct Buffer<'a> {
 
 /// Charges the most memory that a document can need: few characters can stand for a large record.
 pub(super) fn charge(container: &Container<'_>, report: &mut Report) -> Checked<()> {
-    // Lists grow by doubling. Nodes are the largest records; names are the largest plain values, two to an
-    // entry of a map.
+    // Lists grow by doubling. Nodes are the largest records; names are the largest plain values,
+    // two to an entry of a map.
     let (record, value) = (2 * size_of::<Node<'_>>(), 4 * size_of::<Cow<'_, str>>());
     let count = |wanted: u8| memchr::memchr_iter(wanted, container.json).count();
     let records = count(b'{').saturating_mul(record);
@@ -336,7 +336,8 @@ pub(super) fn charge(container: &Container<'_>, report: &mut Report) -> Checked<
     check_free(needed)
 }
 
-/// Parses the JSON. A fault names its place: the line of a text, the byte of a GLB, or the pointer of a value.
+/// Parses the JSON. A fault names its place: the line of a text, the byte of a GLB, or the pointer
+/// of a value.
 pub(super) fn parse<'a>(container: &Container<'a>) -> Checked<Document<'a>> {
     let mut json = serde_json::Deserializer::from_slice(container.json);
     let document: Document<'a> = serde_path_to_error::deserialize(&mut json)

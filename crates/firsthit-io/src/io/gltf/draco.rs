@@ -29,9 +29,9 @@ impl Unpacked {
             .with_max_faces(memory / FACE_BYTES)
             .with_max_points(memory / FACE_BYTES)
             .with_max_decoded_bytes(memory / 2);
-        // The one place where another's code decodes hostile bytes with indices of its own: it is safe Rust
-        // throughout, so a bug in it can only panic. That is an error of the file, not of the program;
-        // the decoder's state is dropped.
+        // The one place where another's code decodes hostile bytes with indices of its own: it is
+        // safe Rust throughout, so a bug in it can only panic. That is an error of the file, not of
+        // the program; the decoder's state is dropped.
         let decoded = catch_unwind(AssertUnwindSafe(|| {
             let mut mesh = Mesh::new();
             let mut buffer = DecoderBuffer::new(source).with_limits(limits);

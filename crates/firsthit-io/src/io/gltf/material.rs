@@ -82,7 +82,8 @@ impl Looks {
         Ok(look)
     }
 
-    /// The maps of a material, and the sets of texture coordinates that they take: that of the colour comes first.
+    /// The maps of a material, and the sets of texture coordinates that they take: that of the
+    /// colour comes first.
     fn maps<'a>(
         &mut self,
         document: &'a Document<'a>,

@@ -291,8 +291,9 @@ impl TextureInfo {
 
     /// The map of texture coordinates to the picture's: scaled, then turned, then moved.
     ///
-    /// v counts downwards, so what turns counter-clockwise on paper has its sine the other way round. (The
-    /// extension's listing has it wrong, its text and its test asset have it right: `KhronosGroup/glTF` issue 1563.)
+    /// v counts downwards, so what turns counter-clockwise on paper has its sine the other way
+    /// round. (The extension's listing has it wrong, its text and its test asset have it right:
+    /// `KhronosGroup/glTF` issue 1563.)
     pub(super) fn picture_from_uv(&self) -> [[f64; 3]; 2] {
         let Some(transform) = &self.extensions.transform else {
             return TextureMap::V_DOWN;

@@ -349,7 +349,8 @@ fn uvs(
     Ok(uvs.map(Attribute::per_vertex))
 }
 
-/// Tangents where the material has a normal map: the file's, or such as tools make them that make normal maps.
+/// Tangents where the material has a normal map: the file's, or such as tools make them that make
+/// normal maps.
 fn with_tangents(
     mesh: Mesh,
     values: &mut Values<'_, '_, '_>,

@@ -57,8 +57,8 @@ const KNOWN: &[&str] = &[
     "KHR_texture_transform",
 ];
 
-/// Extensions that change no surface, only its look: a picture without them is complete, so they are a warning even
-/// where they are required.
+/// Extensions that change no surface, only its look: a picture without them is complete, so they
+/// are a warning even where they are required.
 const LOOKS: &[&str] = &[
     "GOOGLE_texture_basis",
     "KHR_animation_pointer",

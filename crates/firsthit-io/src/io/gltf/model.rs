@@ -91,7 +91,8 @@ impl MaterialNumbers<'_, '_> {
         model.into()
     }
 
-    /// The older model: a ground and a reflection, each of its colour. With an infinite index the reflection has its colour head on.
+    /// The older model: a ground and a reflection, each of its colour. With an infinite index the
+    /// reflection has its colour head on.
     fn glossy(&mut self, entry: &Diffuse) -> MetalRough {
         let specular = entry.specular_factor.unwrap_or([1.0; 3]);
         MetalRough {

@@ -29,7 +29,8 @@ pub(super) fn with_properties(
     Ok(mesh.with_properties(properties)?)
 }
 
-/// Whether an attribute is one of the application, which begin with an underscore, or a colour beside the first.
+/// Whether an attribute is one of the application, which begin with an underscore, or a colour
+/// beside the first.
 fn is_kept(name: &str) -> bool {
     let number = name.strip_prefix("COLOR_");
     name.starts_with('_') || number.is_some_and(|number| number != "0")

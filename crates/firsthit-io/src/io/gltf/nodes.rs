@@ -34,8 +34,8 @@ impl Placed<'_> {
 /// A path is cut at its beginning where it would have more bytes: nodes may form long chains.
 const LONGEST_PATH: usize = 512;
 
-/// The label of the node at a place among those that the scene shows: its index and its path, the names of the nodes from the root
-/// on. A node without a name is called by its index.
+/// The label of the node at a place among those that the scene shows: its index and its path, the
+/// names of the nodes from the root on. A node without a name is called by its index.
 pub(super) fn label(placed: &[Placed<'_>], place: usize) -> Label {
     let mut names = Vec::new();
     let mut bytes = 0;
@@ -56,8 +56,8 @@ pub(super) fn label(placed: &[Placed<'_>], place: usize) -> Label {
     Label { number, name: names.join("/").into() }
 }
 
-/// The nodes of the scene that the document shows: its default scene, else its first, else all nodes that are
-/// no node's children. Depth first, children in their order.
+/// The nodes of the scene that the document shows: its default scene, else its first, else all
+/// nodes that are no node's children. Depth first, children in their order.
 pub(super) fn walk<'a>(
     document: &'a Document<'a>,
     report: &mut Report,
@@ -89,7 +89,8 @@ pub(super) fn walk<'a>(
     Ok(found)
 }
 
-/// A node that is to be placed: its index, where its parent is, and which entry of which list names it.
+/// A node that is to be placed: its index, where its parent is, and which entry of which list names
+/// it.
 type Root = (Index, DAffine3, Entry, usize);
 
 fn roots(document: &Document<'_>) -> Vec<Root> {
@@ -134,7 +135,8 @@ fn local(node: &Node<'_>, entry: Entry, report: &mut Report) -> DAffine3 {
     DAffine3::from_cols_array(&[a, b, c, d, e, f, g, h, i, x, y, z])
 }
 
-/// A quaternion made one of length one, if it is off by more than some `rounding`. Those of bytes and of few digits are; more is a warning.
+/// A quaternion made one of length one, if it is off by more than some `rounding`. Those of bytes
+/// and of few digits are; more is a warning.
 pub(super) fn of_length_one(
     (quaternion, rounding): ([f64; 4], f64),
     place: impl FnOnce() -> Place,

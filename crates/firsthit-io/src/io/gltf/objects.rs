@@ -34,8 +34,8 @@ pub(super) struct Objects<'a, 'b, 'w> {
     palettes: HashMap<Index, Rc<Palette>>,
     /// The transforms of all nodes, once a skin asked for them.
     worlds: Option<Vec<Option<DAffine3>>>,
-    /// The primitives of a mesh that have triangles, once a node showed it: a mesh of many others is then
-    /// no work for any further node.
+    /// The primitives of a mesh that have triangles, once a node showed it: a mesh of many others
+    /// is then no work for any further node.
     visible: HashMap<usize, Rc<[usize]>>,
     labels: HashMap<usize, Label>,
     made: Vec<Object>,
@@ -203,8 +203,8 @@ impl<'a, 'b, 'w> Objects<'a, 'b, 'w> {
         Ok(())
     }
 
-    /// A mesh and the way from it to the world; where that flattens space, which objects cannot, a mesh that is
-    /// flat itself, if anything is left of it.
+    /// A mesh and the way from it to the world; where that flattens space, which objects cannot, a
+    /// mesh that is flat itself, if anything is left of it.
     fn placed(
         &mut self,
         world_from_mesh: DAffine3,

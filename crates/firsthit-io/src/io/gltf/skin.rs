@@ -113,8 +113,8 @@ pub(super) fn maps(
     Ok(maps)
 }
 
-/// Leaves vertices that no joint moves where the mesh's node puts them: as a sum of nothing they would all fall
-/// into the origin.
+/// Leaves vertices that no joint moves where the mesh's node puts them: as a sum of nothing they
+/// would all fall into the origin.
 fn put_back(
     values: &mut Values<'_, '_, '_>,
     maps: &mut [DAffine3],

@@ -4,7 +4,8 @@ use super::super::report::Report;
 use super::document::Document;
 use super::index::Index;
 
-/// Gives the primitives the materials of the variant that is asked for, where the document has it; adds the names of all to the report.
+/// Gives the primitives the materials of the variant that is asked for, where the document has it;
+/// adds the names of all to the report.
 pub(super) fn choose(document: &mut Document<'_>, report: &mut Report) {
     let Some(list) = &document.extensions.variants else {
         return;

@@ -89,7 +89,8 @@ impl Library {
         }))
     }
 
-    /// A texture that a library names, under the library's folder; `None`, with a warning, if it cannot be read.
+    /// A texture that a library names, under the library's folder; `None`, with a warning, if it
+    /// cannot be read.
     fn texture(&mut self, map: &Map, report: &mut Report) -> Option<TextureMap> {
         let texture = self.picture(map, report)?;
         let ([u, v], [across, up]) = (map.offset, map.scale);
@@ -192,7 +193,8 @@ impl Library {
     }
 }
 
-/// A texture whose alpha is the brightness of the given one, as programs write it where it has none.
+/// A texture whose alpha is the brightness of the given one, as programs write it where it has
+/// none.
 fn brightness_as_alpha(texture: &Texture) -> Texture {
     texture.with_alpha_from(|[red, green, blue, _]| {
         // The weights of Rec. 709, in 256ths.

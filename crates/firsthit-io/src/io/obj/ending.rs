@@ -6,9 +6,9 @@ use crate::io::text::{Words, unended, unended_line};
 
 /// The sign that the text is truncated, if there is one.
 ///
-/// Many whole files have no line break at their end, and a number cut short is still a number. So a text is truncated
-/// only if its last line has no line break and makes no sense as the last: an incomplete statement, or one that only
-/// later statements would use.
+/// Many whole files have no line break at their end, and a number cut short is still a number. So a
+/// text is truncated only if its last line has no line break and makes no sense as the last: an
+/// incomplete statement, or one that only later statements would use.
 pub(super) fn cut(text: &[u8], indices: &[Indices; 3]) -> Option<String> {
     let last = text.trim_ascii_end().rsplit(|&byte| byte == b'\n' || byte == b'\r');
     if last.into_iter().next().is_some_and(is_continued) {

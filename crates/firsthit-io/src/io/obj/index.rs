@@ -38,8 +38,8 @@ impl Indices {
         self.resolve(stated, line)
     }
 
-    /// The index, from 0, of a stated one: from 1 upwards from the first, from -1 downwards from the last
-    /// that has come. Values that are yet to come may be named: see [`Indices::check`].
+    /// The index, from 0, of a stated one: from 1 upwards from the first, from -1 downwards from
+    /// the last that has come. Values that are yet to come may be named: see [`Indices::check`].
     #[inline]
     pub(super) fn resolve(&mut self, stated: i64, line: u64) -> Checked<u32> {
         let index = match stated {

@@ -11,7 +11,8 @@ use crate::io::surface::{Surface, Vertices, push_fan};
 use crate::scene::{self, Material};
 use crate::shape::{Attribute, Mesh};
 
-/// A face, as indices from 0: of vertices, texture coordinates and normals, [`NONE`] where it has none.
+/// A face, as indices from 0: of vertices, texture coordinates and normals, [`NONE`] where it has
+/// none.
 #[derive(Debug, Default)]
 pub(super) struct Face {
     pub(super) vertices: Vec<u32>,

@@ -1,7 +1,7 @@
 //! A fast reader for the lines that most files consist of.
 //!
-//! It returns `None` for any other line. The reader of all lines takes those, and gives the same result for a plain
-//! one.
+//! It returns `None` for any other line. The reader of all lines takes those, and gives the same
+//! result for a plain one.
 
 use crate::io::decimal;
 

@@ -15,12 +15,14 @@ pub(super) struct Values {
     pub(super) normals: Vec<[f32; 3]>,
     /// Linear colours of vertices: none, or as many as vertices.
     pub(super) colors: Vec<[f32; 3]>,
-    /// The seventh number of vertices that have one, else NaN: none, or as many as vertices up to the last that has one.
+    /// The seventh number of vertices that have one, else NaN: none, or as many as vertices up to
+    /// the last that has one.
     pub(super) sevenths: Vec<f32>,
 }
 
 impl Values {
-    /// Adds what follows the coordinates of the vertex that comes after `count` others: at most a colour, and one number more.
+    /// Adds what follows the coordinates of the vertex that comes after `count` others: at most a
+    /// colour, and one number more.
     pub(super) fn push_color(&mut self, count: usize, extra: &[f64]) {
         let (color, seventh) = match *extra {
             [r, g, b] => (Some([r, g, b]), None),
@@ -45,7 +47,8 @@ impl Values {
         corners + colors
     }
 
-    /// Tells whether seven numbers of vertices are `x y z w red green blue` or `x y z red green blue alpha`, by which of the two is one.
+    /// Tells whether seven numbers of vertices are `x y z w red green blue` or `x y z red green
+    /// blue alpha`, by which of the two is one.
     fn sort_sevenths(&mut self, report: &mut Report) {
         let sevenths = std::mem::take(&mut self.sevenths);
         let mut rows: Vec<_> = (self.colors.iter_mut().zip(&sevenths))

@@ -67,7 +67,8 @@ fn keyword(word: &[u8]) -> Option<(VertexLayout, &[u8])> {
     }
 }
 
-/// Reads up to the counts of vertices and faces. The keyword may be missing, and so may be the count of edges, which says nothing.
+/// Reads up to the counts of vertices and faces. The keyword may be missing, and so may be the
+/// count of edges, which says nothing.
 pub(super) fn parse(lines: &mut Lines) -> Checked<Header> {
     let truncated = || Fault::file("truncated: the file ends before its counts");
     let mut line = next_line(lines).ok_or_else(truncated)?;

@@ -1,4 +1,5 @@
-//! OFF, the text format of the manual of Geomview, "Object File Format". Its vertices may have colours, normals and texture coordinates.
+//! OFF, the text format of the manual of Geomview, "Object File Format". Its vertices may have
+//! colours, normals and texture coordinates.
 
 mod header;
 mod rows;

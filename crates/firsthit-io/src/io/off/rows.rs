@@ -12,7 +12,8 @@ pub(super) struct Color {
     pub(super) has_fractions: bool,
 }
 
-/// Rows are lines where there are enough of them, so that values which the header does not declare can be told; else a stream of words.
+/// Rows are lines where there are enough of them, so that values which the header does not declare
+/// can be told; else a stream of words.
 pub(super) struct Rows<'a> {
     lines: Lines<'a>,
     words: Words<'a>,
@@ -128,7 +129,8 @@ impl<'a> Rows<'a> {
         })
     }
 
-    /// The colour of a vertex, before `behind` further values: three numbers, or four with an alpha.
+    /// The colour of a vertex, before `behind` further values: three numbers, or four with an
+    /// alpha.
     pub(super) fn color(&mut self, behind: usize, report: &mut Report) -> Checked<Option<Color>> {
         // Without lines only the specification tells how many there are.
         let count =

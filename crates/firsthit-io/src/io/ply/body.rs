@@ -22,12 +22,13 @@ pub(super) trait Rows {
     fn table<'a>(&'a mut self, _element: &Element) -> Checked<Option<Table<'a>>> {
         Ok(None)
     }
-    /// Reads a list of vertices if all is plain about it: 32 bit indices below `limit`. Else nothing is read.
+    /// Reads a list of vertices if all is plain about it: 32 bit indices below `limit`. Else
+    /// nothing is read.
     fn plain_list(&mut self, _count: Type, _item: Type, _limit: u64, _: &mut Vec<u32>) -> bool {
         false
     }
-    /// Reads rows of nothing but a list of three vertices, at most `most`, as long as they are plain. Returns their
-    /// number.
+    /// Reads rows of nothing but a list of three vertices, at most `most`, as long as they are
+    /// plain. Returns their number.
     fn plain_triangles(
         &mut self,
         _element: &Element,
@@ -68,7 +69,8 @@ pub(super) trait Rows {
         Ok(length as u64)
     }
 
-    /// The number of rows to reserve memory for: as the header says, unless the file is too short for them.
+    /// The number of rows to reserve memory for: as the header says, unless the file is too short
+    /// for them.
     fn capacity(&self, element: &Element) -> usize {
         let most = self.room(element.smallest_row().max(1));
         usize::try_from(element.count.min(most)).unwrap_or(0)

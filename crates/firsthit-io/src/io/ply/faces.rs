@@ -150,8 +150,8 @@ impl Faces {
         Err(Fault::at(rows.place(), what))
     }
 
-    /// Reads strips: each vertex makes a triangle with the two before it, every other one turned over;
-    /// a negative index begins anew.
+    /// Reads strips: each vertex makes a triangle with the two before it, every other one turned
+    /// over; a negative index begins anew.
     pub(super) fn read_strips<R: Rows>(&mut self, element: &Element, rows: &mut R) -> Checked<()> {
         let Some(strip) = list_at(element, &["vertex_indices", "vertex_index"]) else {
             return skip(element, rows);

@@ -167,8 +167,9 @@ pub(super) fn parse(bytes: &[u8]) -> Checked<Header<'_>> {
                     lines: number,
                 });
             }
-            // A comment whose first word is missing, as an old exporter of Blender's writes it. After an element
-            // it could as well be a misspelled property, without which all rows would be misread.
+            // A comment whose first word is missing, as an old exporter of Blender's writes it.
+            // After an element it could as well be a misspelled property, without which all rows
+            // would be misread.
             Some(_) if elements.is_empty() => stray = stray.or(Some((number, shown(line)))),
             Some(word) => {
                 let what = format!("unknown word '{}' in the header", shown(word));
@@ -182,8 +183,8 @@ pub(super) fn parse(bytes: &[u8]) -> Checked<Header<'_>> {
 
 /// The texture that a comment may name.
 fn comment(mut words: Words, line: u64) -> Checked<Option<Texture>> {
-    // Readers that look for these bytes instead of lines end the header here, and read the rest of it
-    // as numbers: what the file shows must not depend on who reads it.
+    // Readers that look for these bytes instead of lines end the header here, and read the rest of
+    // it as numbers: what the file shows must not depend on who reads it.
     if words.rest().windows(10).any(|bytes| bytes == b"end_header") {
         let what = "a comment contains 'end_header', where many programs would end the header; \
                     remove it from the comment";

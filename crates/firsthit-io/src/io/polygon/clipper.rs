@@ -20,11 +20,13 @@ pub(super) struct Clipper<'a> {
     previous: Vec<u32>,
     left: usize,
     is_left: Vec<bool>,
-    /// Corners that do not turn left, which alone can lie in an ear: so none is convex again in vain.
+    /// Corners that do not turn left, which alone can lie in an ear: so none is convex again in
+    /// vain.
     blocks: Vec<bool>,
     blocking: usize,
     columns: Columns,
-    /// Corners to test, first in first out: neighbours are not cut in a row, which would make slivers.
+    /// Corners to test, first in first out: neighbours are not cut in a row, which would make
+    /// slivers.
     queue: VecDeque<u32>,
     is_queued: Vec<bool>,
     /// Corners on a straight line: cut when there is no ear.
@@ -167,7 +169,8 @@ impl<'a> Clipper<'a> {
         blocker
     }
 
-    /// Whether a corner lies in a triangle or on its border in a way that keeps it from being an ear.
+    /// Whether a corner lies in a triangle or on its border in a way that keeps it from being an
+    /// ear.
     fn is_inside(&self, corner: u32, [a, b, c]: [Point; 3]) -> bool {
         let point = self.points[corner as usize];
         // Corners at the same point, as at both ends of a bridge to a hole, do not block: their

@@ -2,10 +2,11 @@
 //!
 //! A corner that were left out would open a crack to the neighbour that keeps it.
 //!
-//! The method is ear clipping (Meisters, "Polygons Have Ears", American Mathematical Monthly 82, 1975;
-//! Eberly, "Triangulation by Ear Clipping", Geometric Tools, 2002) with exact orientations (Shewchuk,
-//! "Adaptive Precision Floating-Point Arithmetic", 1997). A plain version takes quadratic time and
-//! more. Here a corner is tested again only when its neighbours or what blocked it has changed.
+//! The method is ear clipping (Meisters, "Polygons Have Ears", American Mathematical Monthly 82,
+//! 1975; Eberly, "Triangulation by Ear Clipping", Geometric Tools, 2002) with exact orientations
+//! (Shewchuk, "Adaptive Precision Floating-Point Arithmetic", 1997). A plain version takes
+//! quadratic time and more. Here a corner is tested again only when its neighbours or what blocked
+//! it has changed.
 
 #[allow(
     clippy::indexing_slicing,
@@ -23,12 +24,12 @@ use robust::{Coord, orient2d};
 use crate::geometry::{Bounds, DVec3, unit};
 use columns::Point;
 
-/// The triangles of a polygon as indices of its corners, in its own winding; `None` when the fan from
-/// the first corner, (0, k, k + 1), is right, as it is for every convex polygon, or as good as any, as it
-/// is for one that is bent so much that it has no inside.
+/// The triangles of a polygon as indices of its corners, in its own winding; `None` when the fan
+/// from the first corner, (0, k, k + 1), is right, as it is for every convex polygon, or as good as
+/// any, as it is for one that is bent so much that it has no inside.
 ///
-/// Always n - 2 triangles. They cover a simple polygon exactly; what crosses itself gets some triangles.
-/// The corners must be finite.
+/// Always n - 2 triangles. They cover a simple polygon exactly; what crosses itself gets some
+/// triangles. The corners must be finite.
 pub(super) fn triangulate(corners: &[DVec3]) -> Option<Vec<[u32; 3]>> {
     if corners.len() < 4 {
         return None;
@@ -41,8 +42,9 @@ pub(super) fn triangulate(corners: &[DVec3]) -> Option<Vec<[u32; 3]>> {
     Some(clipper::Clipper::new(&points).run())
 }
 
-/// Whether a quadrilateral is so clearly convex, seen along one of the axes, that no rounding can say
-/// otherwise: the common case, decided without [`triangulate`]. `false` for corners that are not finite.
+/// Whether a quadrilateral is so clearly convex, seen along one of the axes, that no rounding can
+/// say otherwise: the common case, decided without [`triangulate`]. `false` for corners that are
+/// not finite.
 pub(super) fn is_plainly_convex([a, b, c, d]: [DVec3; 4]) -> bool {
     let [ab, ac, ad] = [b - a, c - a, d - a];
     let (first, second) = (ab.cross(ac), ac.cross(ad));
@@ -88,8 +90,8 @@ fn project(corners: &[DVec3], normal: DVec3) -> Vec<Point> {
     corners.iter().map(flat).collect()
 }
 
-/// The normal of the polygon's best plane, of any length (Newell's method: Tampieri, Graphics Gems III,
-/// 1992); `None` if it is zero.
+/// The normal of the polygon's best plane, of any length (Newell's method: Tampieri, Graphics Gems
+/// III, 1992); `None` if it is zero.
 fn newell_normal(corners: &[DVec3]) -> Option<DVec3> {
     let (&first, rest) = corners.split_first()?;
     let offset = |corner: &DVec3| *corner - first;

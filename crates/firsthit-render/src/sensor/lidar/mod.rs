@@ -23,11 +23,12 @@ use crate::image::{SensorRecord, TrajectoryRecord};
 use crate::memory;
 use crate::trajectory::{Pose, Trajectory};
 
-/// A laser scanner: a [`Pattern`] of beams at a place, or carried by a body that moves while it scans.
+/// A laser scanner: a [`Pattern`] of beams at a place, or carried by a body that moves while it
+/// scans.
 ///
-/// Its own frame is that of ROS (REP 103): x forwards, y to the left, z upwards. All beams start at its origin. A beam's direction
-/// has length one, so that `t` is `range`; it has no aim, and so no `z`. Where it moves, each beam starts where the scanner is at the
-/// time of the beam.
+/// Its own frame is that of ROS (REP 103): x forwards, y to the left, z upwards. All beams start at
+/// its origin. A beam's direction has length one, so that `t` is `range`; it has no aim, and so no
+/// `z`. Where it moves, each beam starts where the scanner is at the time of the beam.
 ///
 /// ```
 /// use firsthit::sensor::{Lidar, LidarModel, Sensor};
@@ -84,8 +85,8 @@ impl Lidar {
     ///
     /// # Errors
     ///
-    /// [`Error::Argument`](crate::error::Error::Argument) where a beam is at a time that the trajectory refuses, and
-    /// [`Error::Limit`](crate::error::Error::Limit) when memory is short.
+    /// [`Error::Argument`](crate::error::Error::Argument) where a beam is at a time that the
+    /// trajectory refuses, and [`Error::Limit`](crate::error::Error::Limit) when memory is short.
     pub fn carried(pattern: Pattern, mount: Pose, body: &Trajectory) -> Result<Self> {
         let mount = Pose::new(mount.position, mount.rotation)?;
         let times = pattern.times();
@@ -102,7 +103,8 @@ impl Lidar {
         &self.pattern
     }
 
-    /// The pose of the scanner at the time of a pixel's beam: it takes its coordinates to the world's.
+    /// The pose of the scanner at the time of a pixel's beam: it takes its coordinates to the
+    /// world's.
     ///
     /// # Panics
     ///
@@ -111,7 +113,8 @@ impl Lidar {
         self.poses[if self.poses.len() == 1 { 0 } else { pixel }]
     }
 
-    /// The return at a distance `range`, in scene units, along the beam of a pixel. Pixels are counted row by row.
+    /// The return at a distance `range`, in scene units, along the beam of a pixel. Pixels are
+    /// counted row by row.
     ///
     /// # Panics
     ///
@@ -133,15 +136,18 @@ impl Lidar {
         }
     }
 
-    /// Directions in the world, of length one, that fill the cone of a pixel's beam: its middle first, then along a spiral of equal
-    /// areas to the edge. `divergence` is the full angle of the cone in radians.
+    /// Directions in the world, of length one, that fill the cone of a pixel's beam: its middle
+    /// first, then along a spiral of equal areas to the edge. `divergence` is the full angle of the
+    /// cone in radians.
     ///
-    /// The point number j of n is at the angle `divergence / 2 * sqrt(j / (n - 1))` from the middle, turned by j golden angles
-    /// (Vogel, "A better way to construct the sunflower head", Mathematical Biosciences 44, 1979).
+    /// The point number j of n is at the angle `divergence / 2 * sqrt(j / (n - 1))` from the
+    /// middle, turned by j golden angles (Vogel, "A better way to construct the sunflower head",
+    /// Mathematical Biosciences 44, 1979).
     ///
     /// # Errors
     ///
-    /// [`Error::Argument`](crate::error::Error::Argument) for a `divergence` below zero or of pi and more.
+    /// [`Error::Argument`](crate::error::Error::Argument) for a `divergence` below zero or of pi
+    /// and more.
     pub fn spread(&self, pixel: usize, divergence: f64, into: &mut [DVec3]) -> Result<()> {
         /// Pi times (3 minus the root of 5).
         const GOLDEN_ANGLE: f64 = 2.399_963_229_728_653;

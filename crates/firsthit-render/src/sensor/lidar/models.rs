@@ -9,8 +9,8 @@ use crate::geometry::{named, require_positive};
 named! {
     /// Spinning scanners whose beams their makers publish.
     ///
-    /// Laser numbers are the makers'. The heads turn clockwise. Times and angles are nominal: those of one device are in its own
-    /// calibration, and [`Spinning`] takes them.
+    /// Laser numbers are the makers'. The heads turn clockwise. Times and angles are nominal: those
+    /// of one device are in its own calibration, and [`Spinning`] takes them.
     pub enum LidarModel, "lidar model":
     /// Velodyne VLP-16 (Puck, Puck LITE): User Manual 63-9243, table 9-1, section 9.4.
     #[default]
@@ -71,8 +71,8 @@ impl LidarModel {
     ///
     /// # Errors
     ///
-    /// [`Error::Argument`](crate::error::Error::Argument) for a `rate` that is not positive, a `start` that is not finite, no columns,
-    /// and a head that turns faster than its lasers fire.
+    /// [`Error::Argument`](crate::error::Error::Argument) for a `rate` that is not positive, a
+    /// `start` that is not finite, no columns, and a head that turns faster than its lasers fire.
     pub fn pattern(self, rate: f64, columns: Option<usize>, start: f64) -> Result<Pattern> {
         require_positive("rate", rate)?;
         let lasers = self.lasers();
@@ -223,9 +223,10 @@ mod tests {
         }
     }
 
-    /// The sums of each column's numbers, each number as often as its row says, counted from 1: another digit and another order have
-    /// another sum. Taken from lists of other people's programs: for the VLP-32C a decoder of its packets, for the elevations of
-    /// Hesai's the driver of Apollo.
+    /// The sums of each column's numbers, each number as often as its row says, counted from 1:
+    /// another digit and another order have another sum. Taken from lists of other people's
+    /// programs: for the VLP-32C a decoder of its packets, for the elevations of Hesai's the driver
+    /// of Apollo.
     #[test]
     fn a_laser_with_a_wrong_digit_is_told_from_its_makers() {
         fn check<const N: usize>(name: &str, table: &[[f64; N]], sums: [f64; N]) {
@@ -256,7 +257,8 @@ mod tests {
 
     #[test]
     fn lasers_in_columns_point_to_the_side_that_the_maker_says() {
-        // In degrees to the left: makers count to the right. A laser, and one that fires at the same time.
+        // In degrees to the left: makers count to the right. A laser, and one that fires at the
+        // same time.
         for (model, [laser, other], left) in [
             (LidarModel::Vlp32c, [0, 1], -1.4 - 4.2),
             (LidarModel::Os1x64Gen1, [0, 3], -3.164 - 3.164),

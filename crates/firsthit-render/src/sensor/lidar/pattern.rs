@@ -9,10 +9,12 @@ use crate::geometry::summary::summary;
 use crate::geometry::{DVec3, require};
 use crate::memory;
 
-/// The beams of a laser scanner in rows and columns: which way each goes in the scanner's frame, when, and of which laser it is.
+/// The beams of a laser scanner in rows and columns: which way each goes in the scanner's frame,
+/// when, and of which laser it is.
 ///
-/// Angles are in degrees. The azimuth counts from forwards (x) to the left (y): counter-clockwise, seen from above. The elevation
-/// counts from the horizontal plane upwards (z). Times are in seconds.
+/// Angles are in degrees. The azimuth counts from forwards (x) to the left (y): counter-clockwise,
+/// seen from above. The elevation counts from the horizontal plane upwards (z). Times are in
+/// seconds.
 #[derive(Clone, PartialEq)]
 pub struct Pattern {
     name: String,
@@ -78,11 +80,13 @@ impl Pattern {
         Ok(made)
     }
 
-    /// Beams from a table: one row of pixels, in the table's order. `times` and `rings` may be empty, for zeros.
+    /// Beams from a table: one row of pixels, in the table's order. `times` and `rings` may be
+    /// empty, for zeros.
     ///
     /// # Errors
     ///
-    /// [`Error::Argument`] for lists of other lengths, none at all, and numbers that are not finite.
+    /// [`Error::Argument`] for lists of other lengths, none at all, and numbers that are not
+    /// finite.
     pub fn table(
         azimuths: &[f64],
         elevations: &[f64],
@@ -107,8 +111,9 @@ impl Pattern {
         })
     }
 
-    /// Beams from CSV with a header, which names the columns `azimuth` and `elevation` (degrees) and, where there are some, `time`
-    /// (seconds) and `ring` (a whole number). `path` is what errors call the text.
+    /// Beams from CSV with a header, which names the columns `azimuth` and `elevation` (degrees)
+    /// and, where there are some, `time` (seconds) and `ring` (a whole number). `path` is what
+    /// errors call the text.
     ///
     /// ```
     /// use std::path::Path;
@@ -123,7 +128,8 @@ impl Pattern {
     ///
     /// # Errors
     ///
-    /// [`Error::Parse`] with the line for what is wrong in the text, [`Error::Limit`] when memory is short.
+    /// [`Error::Parse`] with the line for what is wrong in the text, [`Error::Limit`] when memory
+    /// is short.
     pub fn read_csv(text: &[u8], path: &Path) -> Result<Self> {
         csv::read(text, path)
     }

@@ -9,9 +9,9 @@ use crate::geometry::{require, require_positive};
 
 /// Rows and columns of equal angles, as of a mirror that turns about two axes, or of a flash.
 ///
-/// The beam of row r of M and column c of N has the azimuth `H (1/2 - (c + 1/2) / N)` and the elevation `V (1/2 - (r + 1/2) / M)`.
-/// Points are scanned row by row from the top, from the left, or every other row from the right: point k of all has the time
-/// `start + k / (M N) / rate`.
+/// The beam of row r of M and column c of N has the azimuth `H (1/2 - (c + 1/2) / N)` and the
+/// elevation `V (1/2 - (r + 1/2) / M)`. Points are scanned row by row from the top, from the left,
+/// or every other row from the right: point k of all has the time `start + k / (M N) / rate`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Raster {
     /// H, in degrees.
@@ -32,15 +32,17 @@ pub struct Raster {
 
 /// Two prisms that turn, each of which leads the beam around a circle: the sum is a rose.
 ///
-/// Point k has the time `T = start + k / point_rate`. The beam is off forwards by the vector
-/// `a (cos 2 pi f1 T, sin 2 pi f1 T) + b (cos 2 pi f2 T, sin 2 pi f2 T)` in degrees to the left and upwards: its length is the angle.
-/// `a = fov / 2 * share` and `b = fov / 2 * (1 - share)`. Frequencies of opposite signs and a share of one half make the rose of
-/// the Risley prisms (Marshall, "Risley prism scan patterns", Proceedings of SPIE 3787, 1999).
+/// Point k has the time `T = start + k / point_rate`. The beam is off forwards by the vector `a
+/// (cos 2 pi f1 T, sin 2 pi f1 T) + b (cos 2 pi f2 T, sin 2 pi f2 T)` in degrees to the left and
+/// upwards: its length is the angle. `a = fov / 2 * share` and `b = fov / 2 * (1 - share)`.
+/// Frequencies of opposite signs and a share of one half make the rose of the Risley prisms
+/// (Marshall, "Risley prism scan patterns", Proceedings of SPIE 3787, 1999).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Rosette {
     /// The diameter of the circular field of view, in degrees.
     pub fov: f64,
-    /// f1 and f2, in turns a second; negative ones turn clockwise, as the scanner sees it from behind.
+    /// f1 and f2, in turns a second; negative ones turn clockwise, as the scanner sees it from
+    /// behind.
     pub frequencies: [f64; 2],
     /// The first prism's share of the deflection, from 0 to 1.
     pub share: f64,
@@ -54,8 +56,8 @@ pub struct Rosette {
 
 /// A mirror that swings about two axes.
 ///
-/// Point k has the time `T = start + k / point_rate`, the azimuth `H / 2 sin(2 pi f1 T)` and the elevation
-/// `V / 2 sin(2 pi f2 T + phase)`.
+/// Point k has the time `T = start + k / point_rate`, the azimuth `H / 2 sin(2 pi f1 T)` and the
+/// elevation `V / 2 sin(2 pi f2 T + phase)`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Lissajous {
     /// H, in degrees.
@@ -79,8 +81,9 @@ impl Pattern {
     ///
     /// # Errors
     ///
-    /// [`Error::Argument`](crate::error::Error::Argument) for fields of view that are not positive or beyond 360 and 180 degrees, a rate
-    /// below zero, no rows or columns, and numbers that are not finite.
+    /// [`Error::Argument`](crate::error::Error::Argument) for fields of view that are not positive
+    /// or beyond 360 and 180 degrees, a rate below zero, no rows or columns, and numbers that are
+    /// not finite.
     pub fn raster(scan: &Raster) -> Result<Self> {
         check_fields(scan.horizontal_fov, scan.vertical_fov)?;
         let fine = scan.rate >= 0.0 && scan.rate.is_finite();
@@ -112,8 +115,9 @@ impl Pattern {
     ///
     /// # Errors
     ///
-    /// [`Error::Argument`](crate::error::Error::Argument) for a field of view that is not positive or beyond 180 degrees, a share that
-    /// is not from 0 to 1, a rate that is not positive, no points, and numbers that are not finite.
+    /// [`Error::Argument`](crate::error::Error::Argument) for a field of view that is not positive
+    /// or beyond 180 degrees, a share that is not from 0 to 1, a rate that is not positive, no
+    /// points, and numbers that are not finite.
     pub fn rosette(scan: &Rosette) -> Result<Self> {
         let fine = scan.fov > 0.0 && scan.fov <= 180.0;
         require("fov", "above 0, up to 180 degrees", fine, scan.fov)?;
@@ -194,7 +198,8 @@ fn check_points(points: usize, point_rate: f64, frequencies: [f64; 2]) -> Result
     Ok(())
 }
 
-/// The azimuth and the elevation of what is off forwards by a vector of degrees to the left and upwards.
+/// The azimuth and the elevation of what is off forwards by a vector of degrees to the left and
+/// upwards.
 fn toward(left: f64, up: f64) -> (f64, f64) {
     let angle = (left * left + up * up).sqrt();
     if angle == 0.0 {

@@ -17,10 +17,11 @@ named! {
 
 /// A head with lasers above one another that turns about z.
 ///
-/// Rows are lasers, the highest first; columns are firings, in the order of time. The head turns from `azimuth_start` to
-/// `azimuth_end`; where these are the same direction, it turns once around. With n columns and a turn of s degrees, column k
-/// fires at `azimuth_start ± s k / n`, at the time `start + s / 360 / rate * k / n`. A laser that fires later than the column
-/// does so where the head then is.
+/// Rows are lasers, the highest first; columns are firings, in the order of time. The head turns
+/// from `azimuth_start` to `azimuth_end`; where these are the same direction, it turns once around.
+/// With n columns and a turn of s degrees, column k fires at `azimuth_start ± s k / n`, at the time
+/// `start + s / 360 / rate * k / n`. A laser that fires later than the column does so where the
+/// head then is.
 ///
 /// ```
 /// use firsthit::sensor::{Pattern, Spinning};
@@ -75,8 +76,9 @@ impl Pattern {
     ///
     /// # Errors
     ///
-    /// [`Error::Argument`](crate::error::Error::Argument) for no lasers or columns, elevations beyond 90 degrees, a rate below zero,
-    /// numbers that are not finite, and lists of other lengths.
+    /// [`Error::Argument`](crate::error::Error::Argument) for no lasers or columns, elevations
+    /// beyond 90 degrees, a rate below zero, numbers that are not finite, and lists of other
+    /// lengths.
     pub fn spinning(head: &Spinning) -> Result<Self> {
         let sign = match head.direction {
             Turn::Clockwise => -1.0,

@@ -1,8 +1,10 @@
 //! The makers' tables of their lasers, each with its source.
 //!
-//! Velodyne's agree with the calibrations of ROS's `velodyne_pointcloud`, whose `rot_correction` has the opposite sign.
+//! Velodyne's agree with the calibrations of ROS's `velodyne_pointcloud`, whose `rot_correction`
+//! has the opposite sign.
 
-/// The elevation of each laser of the VLP-16: the even numbers are the lower half. VLP-16 User Manual, 63-9243 rev. D, table 9-1.
+/// The elevation of each laser of the VLP-16: the even numbers are the lower half. VLP-16 User
+/// Manual, 63-9243 rev. D, table 9-1.
 pub(super) const VLP_16: [f64; 16] =
     [-15.0, 1.0, -13.0, 3.0, -11.0, 5.0, -9.0, 7.0, -7.0, 9.0, -5.0, 11.0, -3.0, 13.0, -1.0, 15.0];
 
@@ -20,8 +22,8 @@ pub(super) const HDL_32E: [f64; 32] = [
     8.0, -12.0, 9.33, -10.67, 10.67,
 ];
 
-/// The elevation and the azimuth offset of each laser of the VLP-32C. Offsets are clockwise, as the manual counts azimuths. VLP-32C
-/// User Manual, 63-9325 rev. C, tables 9-2 and 9-6.
+/// The elevation and the azimuth offset of each laser of the VLP-32C. Offsets are clockwise, as the
+/// manual counts azimuths. VLP-32C User Manual, 63-9325 rev. C, tables 9-2 and 9-6.
 #[rustfmt::skip]
 pub(super) const VLP_32C: [[f64; 2]; 32] = [
     [-25.0, 1.4], [-1.0, -4.2], [-1.667, 1.4], [-15.639, -1.4],
@@ -34,13 +36,15 @@ pub(super) const VLP_32C: [[f64; 2]; 32] = [
     [-2.0, 4.2], [15.0, -1.4], [10.333, 1.4], [-1.333, -1.4],
 ];
 
-/// The azimuth offsets of four neighbouring lasers of the OS1-64 of the first generation, clockwise. Ouster's SDK,
-/// `gen1_azimuth_angles`, "design values"; the sign is that of the OS1 manual (v1.14), section 8.2.
+/// The azimuth offsets of four neighbouring lasers of the OS1-64 of the first generation,
+/// clockwise. Ouster's SDK, `gen1_azimuth_angles`, "design values"; the sign is that of the OS1
+/// manual (v1.14), section 8.2.
 pub(super) const OS1_64_GEN1: [f64; 4] = [3.164, 1.055, -1.055, -3.164];
 
-/// The elevation of each laser of the Pandar 40P from the first channel on, its azimuth offset, clockwise, and how many microseconds
-/// before the end of the firing it fires. Pandar40 User Manual, appendix I; Hesai's General SDK, `pandar40p_elev_angle_map`; Hesai's
-/// SDK 2.0, `Pandar40P_Firetime Correction File.csv`.
+/// The elevation of each laser of the Pandar 40P from the first channel on, its azimuth offset,
+/// clockwise, and how many microseconds before the end of the firing it fires. Pandar40 User
+/// Manual, appendix I; Hesai's General SDK, `pandar40p_elev_angle_map`; Hesai's SDK 2.0,
+/// `Pandar40P_Firetime Correction File.csv`.
 #[rustfmt::skip]
 pub(super) const PANDAR_40P: [[f64; 3]; 40] = [
     [15.0, -1.042, 42.22], [11.0, -1.042, 28.47], [8.0, -1.042, 16.04], [5.0, -1.042, 3.62],

@@ -18,7 +18,8 @@ use crate::geometry::DVec3;
 /// ```
 #[derive(Debug, Clone, PartialEq)]
 pub enum ColorBy {
-    /// An attribute of the meshes, by its name, as `channel::attribute` looks it up; of several numbers the length of their vector.
+    /// An attribute of the meshes, by its name, as `channel::attribute` looks it up; of several
+    /// numbers the length of their vector.
     Attribute(Arc<str>),
     /// A number for each object, in the order of their identifiers.
     Values(Arc<[f64]>),
@@ -51,7 +52,8 @@ impl ColorBy {
         }
     }
 
-    /// The number of a surface in a world with that direction upwards, which has length one; NaN where there is none.
+    /// The number of a surface in a world with that direction upwards, which has length one; NaN
+    /// where there is none.
     pub(super) fn number(&self, surface: &SurfaceInteraction<'_>, up: DVec3) -> f64 {
         match self {
             Self::Attribute(name) => attribute(surface, name),

@@ -1,5 +1,5 @@
-//! The least and the largest number that a scene has, in the picture or not, but for hidden objects: so a part of a picture has the
-//! colours of the whole.
+//! The least and the largest number that a scene has, in the picture or not, but for hidden
+//! objects: so a part of a picture has the colours of the whole.
 
 use std::collections::{BTreeSet, HashSet};
 use std::f64::consts::FRAC_PI_2;
@@ -15,7 +15,8 @@ use crate::shape::{Mesh, NamedAttribute, Shape};
 const NAMES: usize = 20;
 
 impl ColorBy {
-    /// The least and the largest finite number, of all objects but hidden ones; `None` where there is none.
+    /// The least and the largest finite number, of all objects but hidden ones; `None` where there
+    /// is none.
     pub(super) fn extent(&self, scene: &Scene) -> Result<Option<[f64; 2]>> {
         let objects = scene.objects().len();
         Ok(match self {

@@ -33,8 +33,8 @@ pub struct Coloring {
     pub by: ColorBy,
     /// The colour map.
     pub map: ColorMap,
-    /// The numbers of the first and the last colour. If it is left open, those are the least and the largest of all objects but hidden
-    /// ones, in the picture or not.
+    /// The numbers of the first and the last colour. If it is left open, those are the least and
+    /// the largest of all objects but hidden ones, in the picture or not.
     pub range: Option<[f64; 2]>,
     /// The colour of numbers below a given range. If it is left open, the first one of the map.
     pub below: Option<Color>,
@@ -64,12 +64,14 @@ impl Scene {
     /// The scene coloured by numbers, or in its own colours for `None`. Its fingerprint does not
     /// depend on it.
     ///
-    /// A range that is left open is decided now: where objects are moved later, colours stay comparable.
+    /// A range that is left open is decided now: where objects are moved later, colours stay
+    /// comparable.
     ///
     /// # Errors
     ///
-    /// [`Error::Argument`] for an attribute that no mesh has, for values that are not as many as objects, where a range is left open
-    /// and there is no number, and for a range whose numbers do not rise.
+    /// [`Error::Argument`] for an attribute that no mesh has, for values that are not as many as
+    /// objects, where a range is left open and there is no number, and for a range whose numbers do
+    /// not rise.
     pub fn with_coloring(self, coloring: Option<Coloring>) -> Result<Self> {
         let colored = coloring.map(|coloring| Colored::new(coloring, &self));
         Ok(Self { colored: colored.transpose()?.map(Arc::new), ..self })

@@ -1,7 +1,7 @@
 //! Directions as points of a latitude-longitude picture, and tables to draw them from.
 //!
-//! In an environment's own frame +y is up, the picture's middle looks along +x, and to the right of it is +z: the guideline of
-//! glTF's makers (KhronosGroup/glTF, pull request 1761).
+//! In an environment's own frame +y is up, the picture's middle looks along +x, and to the right of
+//! it is +z: the guideline of glTF's makers (KhronosGroup/glTF, pull request 1761).
 
 use std::f64::consts::{FRAC_1_PI, PI, TAU};
 
@@ -21,7 +21,8 @@ pub(super) fn place_of(direction: DVec3) -> DVec2 {
     DVec2::new(across, down)
 }
 
-/// The direction, of length one, of a share of the way around and of its height, the cosine of its angle from straight up.
+/// The direction, of length one, of a share of the way around and of its height, the cosine of its
+/// angle from straight up.
 fn direction_of(across: f64, height: f64) -> DVec3 {
     let (sin, cos) = libm::sincos(TAU * (across - 0.5));
     let level = (1.0 - height * height).max(0.0).sqrt();
@@ -35,15 +36,17 @@ const LEAST_CONTRAST: f64 = 0.5;
 /// The least factor on a cell's luminance in the table: surfaces find what is dim by themselves.
 const SHARE_OF_DIM: f64 = 1.0 / 16.0;
 
-/// A grid of directions, drawn more often where it is bright. Within a cell they are even by solid angle.
+/// A grid of directions, drawn more often where it is bright. Within a cell they are even by solid
+/// angle.
 ///
-/// What is drawn is what is brighter than the mean, and a little of everything: directions that surfaces choose by
-/// themselves find the rest (Karlík and others, "MIS Compensation: Optimizing Sampling Techniques in Multiple Importance
-/// Sampling", ACM Transactions on Graphics 38(6), 2019).
+/// What is drawn is what is brighter than the mean, and a little of everything: directions that
+/// surfaces choose by themselves find the rest (Karlík and others, "MIS Compensation: Optimizing
+/// Sampling Techniques in Multiple Importance Sampling", ACM Transactions on Graphics 38(6), 2019).
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct DirectionTable {
     columns: usize,
-    /// The cosines of the angles from straight up at which rows begin, and at which the last one ends.
+    /// The cosines of the angles from straight up at which rows begin, and at which the last one
+    /// ends.
     heights: Vec<f64>,
     cells: Distribution2d,
 }
@@ -76,7 +79,8 @@ impl DirectionTable {
         Some(Self { columns, heights, cells })
     }
 
-    /// The direction that a point of the unit square stands for, of length one, and how dense such are, per steradian.
+    /// The direction that a point of the unit square stands for, of length one, and how dense such
+    /// are, per steradian.
     pub(super) fn draw(&self, u: DVec2) -> (DVec3, f64) {
         let Cell { column, row, inside } = self.cells.choose(u);
         let across = (column as f64 + inside.x) / self.columns as f64;

@@ -64,9 +64,10 @@ impl Environment {
         }
     }
 
-    /// The mean over many directions, half of them by the cosine and half by the table if there is one, each weighted by how likely
-    /// it is drawn in both ways (Veach and Guibas, "Optimally Combining Sampling Techniques for Monte Carlo Rendering", SIGGRAPH
-    /// 1995: the balance heuristic).
+    /// The mean over many directions, half of them by the cosine and half by the table if there is
+    /// one, each weighted by how likely it is drawn in both ways (Veach and Guibas, "Optimally
+    /// Combining Sampling Techniques for Monte Carlo Rendering", SIGGRAPH 1995: the balance
+    /// heuristic).
     fn summed(&self, normal: DVec3) -> Color {
         const COUNT: u32 = 1 << 14;
         let brought = |towards: DVec3| {
@@ -87,8 +88,9 @@ impl Environment {
     }
 }
 
-/// The integral over all directions of the product of two cosines, where both are positive, divided by pi: of those to two directions
-/// with this cosine between them (Cho and Saul, "Kernel Methods for Deep Learning", NIPS 2009, for three dimensions).
+/// The integral over all directions of the product of two cosines, where both are positive, divided
+/// by pi: of those to two directions with this cosine between them (Cho and Saul, "Kernel Methods
+/// for Deep Learning", NIPS 2009, for three dimensions).
 fn both_cosines(cosine: f64) -> f64 {
     let cosine = cosine.clamp(-1.0, 1.0);
     let angle = libm::acos(cosine);

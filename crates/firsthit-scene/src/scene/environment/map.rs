@@ -8,9 +8,10 @@ use crate::parallel;
 
 /// An equirectangular (latitude-longitude) HDR map of incident radiance.
 ///
-/// Texels are linear, and row 0 is up. In its own frame up is +y, its middle looks along +x, and to the right of that is +z. Each texel
-/// has its colour at its centre; between centres they are mixed, around the back as well, and beyond the first and the last row's
-/// centres those rows go on.
+/// Texels are linear, and row 0 is up. In its own frame up is +y, its middle looks along +x, and to
+/// the right of that is +z. Each texel has its colour at its centre; between centres they are
+/// mixed, around the back as well, and beyond the first and the last row's centres those rows go
+/// on.
 ///
 /// ```
 /// use firsthit::DVec3;
@@ -47,8 +48,8 @@ impl EnvironmentMap {
     ///
     /// # Errors
     ///
-    /// [`Error::Argument`] without texels, where there are not `columns * rows` of them, and for texels that are negative or not finite;
-    /// [`Error::Limit`] where memory is short.
+    /// [`Error::Argument`] without texels, where there are not `columns * rows` of them, and for
+    /// texels that are negative or not finite; [`Error::Limit`] where memory is short.
     pub fn new(columns: usize, rows: usize, texels: impl Into<Storage<[f32; 3]>>) -> Result<Self> {
         let texels = texels.into();
         if texels.is_empty() || columns.checked_mul(rows) != Some(texels.len()) {
@@ -88,7 +89,8 @@ impl EnvironmentMap {
         &self.texels
     }
 
-    /// The radiance from a direction of any length in the map's own frame; black where there is none.
+    /// The radiance from a direction of any length in the map's own frame; black where there is
+    /// none.
     pub fn radiance(&self, direction: DVec3) -> Color {
         let place = place_of(direction);
         if place.is_nan() {
@@ -162,7 +164,8 @@ impl EnvironmentMap {
         Ok((columns, luminances))
     }
 
-    /// Adds to each cell the mean luminances over its texels of a row, between whose centres colours are mixed.
+    /// Adds to each cell the mean luminances over its texels of a row, between whose centres
+    /// colours are mixed.
     fn add_row(&self, row: usize, cells: &mut [f64]) {
         let rows = [row.saturating_sub(1), row, (row + 1).min(self.rows - 1)];
         let down = |column: usize| {
@@ -215,7 +218,8 @@ mod tests {
         EnvironmentMap::new(6, 4, (0..24).map(texel).collect::<Vec<_>>()).unwrap()
     }
 
-    /// A direction by the longitude from the picture's left edge and the angle from straight up, as shares.
+    /// A direction by the longitude from the picture's left edge and the angle from straight up, as
+    /// shares.
     fn towards(across: f64, down: f64) -> DVec3 {
         let (sin, cos) = libm::sincos(PI * down);
         let (z, x) = libm::sincos(TAU * across - PI);

@@ -51,7 +51,8 @@ pub enum EnvironmentKind {
         /// The direction upwards; any length but zero.
         up: DVec3,
     },
-    /// A sky that goes from the horizon's radiance, which is that of all below too, to the zenith's, by the sine of the height.
+    /// A sky that goes from the horizon's radiance, which is that of all below too, to the
+    /// zenith's, by the sine of the height.
     Gradient {
         /// The radiance at the horizon and below.
         horizon: Color,
@@ -82,7 +83,8 @@ impl Environment {
         self.strength * self.kind.radiance(direction)
     }
 
-    /// The sun of daylight, as strong as the sky. It is no part of the environment: a scene has it among its lights, or has none.
+    /// The sun of daylight, as strong as the sky. It is no part of the environment: a scene has it
+    /// among its lights, or has none.
     pub fn sun(&self) -> Option<Light> {
         match &self.kind {
             EnvironmentKind::Daylight(day) => {
@@ -106,11 +108,13 @@ impl Environment {
         }
     }
 
-    /// Light from a direction in the world that a point of the unit square stands for, bright ones more often. `None` where surfaces choose
-    /// directions as well: where the radiance is nearly the same from everywhere.
+    /// Light from a direction in the world that a point of the unit square stands for, bright ones
+    /// more often. `None` where surfaces choose directions as well: where the radiance is nearly
+    /// the same from everywhere.
     ///
-    /// What is dim is drawn seldom. So the mean over the square is all the light, but a noisy one, unless directions that surfaces choose
-    /// count as well, each way by how [dense](Self::pdf) it is.
+    /// What is dim is drawn seldom. So the mean over the square is all the light, but a noisy one,
+    /// unless directions that surfaces choose count as well, each way by how [dense](Self::pdf) it
+    /// is.
     pub fn sample(&self, u: DVec2) -> Option<LightSample> {
         let (table, world_from_own) = self.kind.table()?;
         let (direction, pdf) = table.draw(u);
@@ -197,7 +201,8 @@ impl EnvironmentKind {
         }
     }
 
-    /// The table to draw directions from, and its frame in the world; `None` where that is not worth it.
+    /// The table to draw directions from, and its frame in the world; `None` where that is not
+    /// worth it.
     fn table(&self) -> Option<(&DirectionTable, &DMat3)> {
         match self {
             Self::Map { map, world_from_map } => Some((map.table()?, world_from_map)),
@@ -208,8 +213,9 @@ impl EnvironmentKind {
 
     /// A map in a world with that direction upwards, of any length but zero, turned by a rotation.
     ///
-    /// Where +y is up, the map's axes are the world's. Where it is another direction, they are tilted the shortest way: with +z up, the map's
-    /// +x stays, its +y becomes +z, and its +z becomes -y.
+    /// Where +y is up, the map's axes are the world's. Where it is another direction, they are
+    /// tilted the shortest way: with +z up, the map's +x stays, its +y becomes +z, and its +z
+    /// becomes -y.
     ///
     /// ```
     /// use std::sync::Arc;

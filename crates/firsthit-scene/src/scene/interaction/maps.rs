@@ -27,8 +27,8 @@ impl SurfaceInteraction<'_> {
         }
     }
 
-    /// The radiance that the surface gives off to the ray, on both sides: a clear coat keeps some of it back, and a material that is shown
-    /// as it is gives off none.
+    /// The radiance that the surface gives off to the ray, on both sides: a clear coat keeps some
+    /// of it back, and a material that is shown as it is gives off none.
     pub fn emitted(&self) -> Color {
         let Some(material) = self.material() else {
             return Color::ZERO;
@@ -41,7 +41,8 @@ impl SurfaceInteraction<'_> {
         (1.0 - material.model.coat_share(self)) * material.emission * map
     }
 
-    /// The alpha: the material's, times its map's, times the mesh's own. Whether it means anything is the alpha mode's to say.
+    /// The alpha: the material's, times its map's, times the mesh's own. Whether it means anything
+    /// is the alpha mode's to say.
     pub fn alpha(&self) -> f64 {
         let Some(material) = self.material() else {
             return 1.0;
@@ -68,7 +69,8 @@ impl SurfaceInteraction<'_> {
         1.0 + strength * (red - 1.0)
     }
 
-    /// The normal that the normal map makes of the shading normal, in the world. `side` is -1 for that of the back. `None` without a map.
+    /// The normal that the normal map makes of the shading normal, in the world. `side` is -1 for
+    /// that of the back. `None` without a map.
     pub(in crate::scene) fn mapped_normal(&self, side: f64) -> Option<DVec3> {
         let scale = self.material()?.normal_scale;
         self.turned(MapRole::Normal, scale).map(|normal| side * normal)
@@ -89,7 +91,8 @@ impl SurfaceInteraction<'_> {
         turned.is_finite().then_some(turned)
     }
 
-    /// The directions in which a normal map's columns and, upwards, its rows run: across the normal, in the world.
+    /// The directions in which a normal map's columns and, upwards, its rows run: across the
+    /// normal, in the world.
     fn tangents(&self, map: &TextureMap, normal: DVec3) -> Option<(DVec3, DVec3)> {
         let (mesh, triangle) = self.mesh?;
         let (tangent, is_flipped) =
@@ -113,7 +116,8 @@ impl SurfaceInteraction<'_> {
         };
         let (along, area) = mesh.along_columns(uvs?, triangle);
         let [[m, n, _], [o, p, _]] = map.picture_from_uv;
-        // Rows run downwards: a picture that is not mirrored turns the other way round than its surface.
+        // Rows run downwards: a picture that is not mirrored turns the other way round than its
+        // surface.
         let is_flipped = (area > 0.0) == (m * p - n * o > 0.0);
         Some((area.signum() * along, is_flipped))
     }

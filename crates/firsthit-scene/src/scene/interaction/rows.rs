@@ -11,7 +11,8 @@ use crate::simd::{self, InstructionSet, Kernel, Lanes};
 /// Fewer surfaces are not worth a row.
 const FEW: usize = 8;
 
-/// Computes where surfaces are and how they lie, many at a time: each would do so by itself when it is asked.
+/// Computes where surfaces are and how they lie, many at a time: each would do so by itself when it
+/// is asked.
 #[doc(hidden)]
 pub fn compute_geometry(set: InstructionSet, surfaces: &[SurfaceInteraction<'_>]) {
     let (mut of_meshes, mut of_shapes) = (Vec::new(), Vec::new());
@@ -234,7 +235,8 @@ mod tests {
         shapes
     }
 
-    /// Every shape and a mesh of thin triangles, as they are, and placed; and rays that met them, those of an object not side by side.
+    /// Every shape and a mesh of thin triangles, as they are, and placed; and rays that met them,
+    /// those of an object not side by side.
     fn scene() -> (Scene, Vec<(Ray, Hit)>) {
         let mut draws = Draws::new(3, 1);
         let points: Vec<[f64; 3]> = (0..90)

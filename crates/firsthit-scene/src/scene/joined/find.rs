@@ -14,7 +14,8 @@ use crate::shape::{Mesh, Positions};
 /// Triangles smaller than this share of what all joined objects reach over are left out.
 const FINEST: f64 = 1.0 / (1 << 18) as f64;
 
-/// The properties that joined objects have in common: their transform, to the last bit, their mask, and the type of their vertices.
+/// The properties that joined objects have in common: their transform, to the last bit, their mask,
+/// and the type of their vertices.
 pub(super) type Key = ([u64; 12], u32, bool);
 
 /// `None` for an object that is in no group.
@@ -106,7 +107,8 @@ pub(in crate::scene) fn kept(
     groups.into_iter().filter_map(keep).collect()
 }
 
-/// Joins objects that `may_join`, and has trees built over them. Those that there is no memory for stay alone.
+/// Joins objects that `may_join`, and has trees built over them. Those that there is no memory for
+/// stay alone.
 ///
 /// # Errors
 ///
@@ -128,7 +130,8 @@ pub(in crate::scene) fn found(
     groups.map(|group| group.map(Arc::new)).collect()
 }
 
-/// Whether objects fill the box around them so much that a ray through it is expected to come to one.
+/// Whether objects fill the box around them so much that a ray through it is expected to come to
+/// one.
 fn are_dense(members: &[u32], around: impl Fn(&u32) -> Bounds) -> bool {
     /// Boxes that a ray meets, at least.
     const FEWEST: f64 = 0.5;
@@ -141,8 +144,8 @@ fn are_dense(members: &[u32], around: impl Fn(&u32) -> Bounds) -> bool {
     boxes.map(half_area).sum::<f64>() >= FEWEST * half_area(whole)
 }
 
-/// Parts objects so that float32 tells the triangles of each part from one another. Those that are alone, or far apart, are left out: a
-/// ray would come to their tree for nothing.
+/// Parts objects so that float32 tells the triangles of each part from one another. Those that are
+/// alone, or far apart, are left out: a ray would come to their tree for nothing.
 fn in_sizes(objects: &[Object], mut members: Vec<u32>) -> Vec<Vec<u32>> {
     let mesh = |member: u32| objects[member as usize].mesh();
     let mut parts = Vec::new();

@@ -3,7 +3,8 @@ use crate::geometry::{Color, DVec2, DVec3, Domain, settings, unit};
 use crate::sampling::{TangentFrame, warp};
 
 settings! {
-    /// Parallel light from infinitely far away. With an angle it comes from a round sun of that diameter, and shadows are soft.
+    /// Parallel light from infinitely far away. With an angle it comes from a round sun of that
+    /// diameter, and shadows are soft.
     pub struct DirectionalLight {
         /// The direction in which the light goes, not where it comes from; of any length but zero.
         direction: DVec3, Domain::Direction, required DVec3::NEG_Z;
@@ -29,7 +30,8 @@ impl DirectionalLight {
             height,
             frame: TangentFrame::around(towards),
             parallel: -self.direction,
-            // A surface that faces the middle takes `color`: the mean cosine over the sun is 1 - height / 2.
+            // A surface that faces the middle takes `color`: the mean cosine over the sun is 1 -
+            // height / 2.
             light: self.color / (1.0 - 0.5 * height),
         }
     }

@@ -100,7 +100,8 @@ mod tests {
         }
     }
 
-    /// Triangles above the horizon, through it and below it, from both sides, beside the mean over their area.
+    /// Triangles above the horizon, through it and below it, from both sides, beside the mean over
+    /// their area.
     #[test]
     fn that_of_a_triangle_is_the_mean_over_its_points() {
         let normal = unit(DVec3::new(0.2, -0.5, 0.8));

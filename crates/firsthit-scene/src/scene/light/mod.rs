@@ -34,7 +34,8 @@ pub struct LightSample {
     /// The irradiance over pi of a surface that faces `towards`, if this direction stands for the
     /// whole light.
     pub light: Color,
-    /// The probability density of this direction, per steradian. `None` for a light without a size: there is one direction.
+    /// The probability density of this direction, per steradian. `None` for a light without a size:
+    /// there is one direction.
     pub pdf: Option<f64>,
 }
 
@@ -52,7 +53,8 @@ impl LightSample {
 }
 
 impl LightHit {
-    /// Whether a surface that a ray with a direction of length one meets after a distance leaves the light visible.
+    /// Whether a surface that a ray with a direction of length one meets after a distance leaves
+    /// the light visible.
     #[doc(hidden)]
     pub fn is_visible_before(&self, ray: &Ray, distance: f64) -> bool {
         distance == f64::INFINITY || end_of(ray, self.distance) < distance
@@ -78,7 +80,8 @@ pub struct LightHit {
     pub distance: f64,
     /// The radiance of the light.
     pub radiance: Color,
-    /// The probability density with which [`Light::sample`] draws the ray's direction, per steradian.
+    /// The probability density with which [`Light::sample`] draws the ray's direction, per
+    /// steradian.
     pub pdf: f64,
 }
 
@@ -122,7 +125,8 @@ impl Light {
 
 /// A kind of light.
 trait LightSource {
-    /// Light that arrives at a point, from a direction that a point of the unit square stands for. `None` where none arrives.
+    /// Light that arrives at a point, from a direction that a point of the unit square stands for.
+    /// `None` where none arrives.
     fn sample(&self, at: DVec3, u: DVec2) -> Option<LightSample>;
 
     /// The meeting of the ray from `at` with the light, `towards` having length one. `None` for a
@@ -142,8 +146,8 @@ macro_rules! lights {
     ($($(#[doc = $about:literal])* $name:literal => $kind:ident($light:ty);)*) => {
         /// A light.
         ///
-        /// What its numbers say is what a matte white surface takes, so its colour in the picture: for light of irradiance `E` that is
-        /// `E / pi`. Lights with a surface say its radiance.
+        /// What its numbers say is what a matte white surface takes, so its colour in the picture:
+        /// for light of irradiance `E` that is `E / pi`. Lights with a surface say its radiance.
         ///
         /// ```
         /// use firsthit::scene::DirectionalLight;
@@ -172,8 +176,9 @@ macro_rules! lights {
         kinds!("light", Light { $($(#[doc = $about])* $name => $kind($light);)* });
 
         impl Light {
-            /// Light that arrives at a point of the world from a direction that `u`, a point of the unit square, stands for: the mean
-            /// over the square is all its light. `None` where none arrives.
+            /// Light that arrives at a point of the world from a direction that `u`, a point of the
+            /// unit square, stands for: the mean over the square is all its light. `None` where
+            /// none arrives.
             #[inline]
             pub fn sample(&self, at: DVec3, u: DVec2) -> Option<LightSample> {
                 match self { $(Self::$kind(light) => light.sample(at, u),)* }
@@ -190,7 +195,8 @@ macro_rules! lights {
                 match self { $(Self::$kind(light) => light.has_size(),)* }
             }
 
-            /// A number that stands for it, whatever other lights there are and however strong it is.
+            /// A number that stands for it, whatever other lights there are and however strong it
+            /// is.
             #[doc(hidden)]
             pub fn key(&self) -> u64 {
                 match self { $(Self::$kind(light) => key_of(light),)* }
@@ -220,8 +226,9 @@ lights! {
     "rectangle" => Rectangle(RectangleLight);
 }
 
-/// A number that stands for all settings but how strong the light is. Directions count in float32: those of a camera's lights are rounded,
-/// and a picture of the same scene in another unit has the same noise.
+/// A number that stands for all settings but how strong the light is. Directions count in float32:
+/// those of a camera's lights are rounded, and a picture of the same scene in another unit has the
+/// same noise.
 fn key_of<S: Settings>(light: &S) -> u64 {
     let values = S::LIST.iter().zip(light.values());
     let values = values.filter(|(setting, _)| setting.domain != Domain::Light);
@@ -235,7 +242,8 @@ fn key_of<S: Settings>(light: &S) -> u64 {
     }))
 }
 
-/// Light from a point of a flat surface of that area and radiance, whose normal has length one. `None` behind it.
+/// Light from a point of a flat surface of that area and radiance, whose normal has length one.
+/// `None` behind it.
 fn from_area(
     at: DVec3,
     point: DVec3,
@@ -293,8 +301,8 @@ mod tests {
         assert_ne!(sun(0.3, 1.0).key(), sun(0.301, 1.0).key());
     }
 
-    /// Lights with a size, each seen from some points: the directions that are drawn meet the light where they say, with the
-    /// pdf they say, and their mean is the integral over all directions.
+    /// Lights with a size, each seen from some points: the directions that are drawn meet the light
+    /// where they say, with the pdf they say, and their mean is the integral over all directions.
     #[test]
     fn what_is_drawn_is_what_rays_meet() {
         let mut lights = Vec::new();
@@ -333,7 +341,8 @@ mod tests {
         }
     }
 
-    /// The mean over the drawn directions of 1 / pdf is the solid angle, which random directions know too.
+    /// The mean over the drawn directions of 1 / pdf is the solid angle, which random directions
+    /// know too.
     #[test]
     fn solid_angles_are_those_of_random_directions() {
         use crate::sampling::warp;

@@ -2,8 +2,8 @@ use super::{LightHit, LightSample, LightSource, from_area, met_flat};
 use crate::geometry::{Color, DVec2, DVec3, Domain, settings};
 
 settings! {
-    /// A rectangle, or another parallelogram, that shines on one side, evenly: on the side from which the turn from `edge_u` to
-    /// `edge_v` is counter-clockwise.
+    /// A rectangle, or another parallelogram, that shines on one side, evenly: on the side from
+    /// which the turn from `edge_u` to `edge_v` is counter-clockwise.
     pub struct RectangleLight {
         /// The centre.
         center: DVec3, Domain::Position, required DVec3::ZERO;

@@ -7,8 +7,9 @@ use crate::sampling::{TangentFrame, warp};
 settings! {
     /// A sphere that shines, outwards and evenly.
     ///
-    /// Directions are drawn evenly from the cone in which a point sees it (Shirley, Wang and Zimmerman, "Monte Carlo Techniques for
-    /// Direct Lighting Calculations", ACM Transactions on Graphics 15(1), 1996).
+    /// Directions are drawn evenly from the cone in which a point sees it (Shirley, Wang and
+    /// Zimmerman, "Monte Carlo Techniques for Direct Lighting Calculations", ACM Transactions on
+    /// Graphics 15(1), 1996).
     pub struct SphereLight {
         /// The centre.
         center: DVec3, Domain::Position, required DVec3::ZERO;

@@ -4,8 +4,8 @@ use super::{LightSample, LightSource};
 use crate::geometry::{Color, DVec2, DVec3, Domain, settings, unit};
 
 settings! {
-    /// Light from one point into a cone, falling off with the square of the distance, and from full light at the inner angle to none
-    /// at the outer one.
+    /// Light from one point into a cone, falling off with the square of the distance, and from full
+    /// light at the inner angle to none at the outer one.
     pub struct SpotLight {
         /// The light's position.
         position: DVec3, Domain::Position, required DVec3::ZERO;

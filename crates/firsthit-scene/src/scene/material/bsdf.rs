@@ -27,14 +27,16 @@ use layered::Layered;
 use crate::geometry::{Color, DVec2, DVec3, is_light, unit};
 use crate::scene::{Material, SurfaceInteraction};
 
-/// The bidirectional scattering distribution function at a point of a surface, for the ray that sees it.
+/// The bidirectional scattering distribution function at a point of a surface, for the ray that
+/// sees it.
 ///
 /// All directions are in the world, of length one, and point away from the surface.
 #[derive(Debug, Clone)]
 pub struct Bsdf {
     frame: Frame,
     kind: BsdfKind,
-    /// The absorption coefficient inside of a clear solid, per scene unit; and whether the surface is seen from outside.
+    /// The absorption coefficient inside of a clear solid, per scene unit; and whether the surface
+    /// is seen from outside.
     inside: Option<Color>,
     is_front: bool,
     occlusion: f64,
@@ -53,9 +55,11 @@ enum BsdfKind {
 pub struct BsdfSample {
     /// The direction that light comes from.
     pub towards: DVec3,
-    /// The factor on the radiance from there: the distribution times the cosine, divided by the probability density.
+    /// The factor on the radiance from there: the distribution times the cosine, divided by the
+    /// probability density.
     pub weight: Color,
-    /// The probability density of this direction, per steradian; `None` where there is one direction only, as in a mirror.
+    /// The probability density of this direction, per steradian; `None` where there is one
+    /// direction only, as in a mirror.
     pub pdf: Option<f64>,
 }
 
@@ -73,8 +77,8 @@ impl BsdfSample {
 }
 
 impl SurfaceInteraction<'_> {
-    /// The scattering where that is all that the surface does to light: it is matte, has neither a normal map nor an
-    /// occlusion map, and emits nothing. The normals are NaN where it has none.
+    /// The scattering where that is all that the surface does to light: it is matte, has neither a
+    /// normal map nor an occlusion map, and emits nothing. The normals are NaN where it has none.
     #[inline]
     #[doc(hidden)]
     pub fn plain_matte(&self) -> Option<Lambertian> {
@@ -150,7 +154,8 @@ impl Bsdf {
         }
     }
 
-    /// The probability density with which [`sample`](Self::sample) draws a direction, per steradian. Single directions have none.
+    /// The probability density with which [`sample`](Self::sample) draws a direction, per
+    /// steradian. Single directions have none.
     pub fn pdf(&self, towards: DVec3) -> f64 {
         match &self.kind {
             BsdfKind::Matte(color) => Lambertian::new(&self.frame, *color).pdf(towards),
@@ -158,7 +163,8 @@ impl Bsdf {
         }
     }
 
-    /// A direction that light may come from, for three numbers from 0 to 1. `None` where none is scattered.
+    /// A direction that light may come from, for three numbers from 0 to 1. `None` where none is
+    /// scattered.
     pub fn sample(&self, u: [f64; 3]) -> Option<BsdfSample> {
         match &self.kind {
             BsdfKind::Matte(color) => {
@@ -168,8 +174,9 @@ impl Bsdf {
         }
     }
 
-    /// The directions in which a mirror or clear matter shows something: each that light comes from in one way only, and the
-    /// exact weight of its radiance. They and [`value`](Self::value) are all that the surface scatters.
+    /// The directions in which a mirror or clear matter shows something: each that light comes from
+    /// in one way only, and the exact weight of its radiance. They and [`value`](Self::value) are
+    /// all that the surface scatters.
     pub fn branches(&self) -> impl Iterator<Item = BsdfSample> {
         let branches = match &self.kind {
             BsdfKind::Matte(_) => [None; 3],
@@ -198,8 +205,8 @@ impl Bsdf {
         self.occlusion
     }
 
-    /// The absorption coefficient on the way that the ray has come, per scene unit, where it meets the surface of a clear solid from inside.
-    /// See [`beyond`](Self::beyond).
+    /// The absorption coefficient on the way that the ray has come, per scene unit, where it meets
+    /// the surface of a clear solid from inside. See [`beyond`](Self::beyond).
     pub fn behind(&self) -> Option<Color> {
         self.inside.filter(|_| !self.is_front)
     }

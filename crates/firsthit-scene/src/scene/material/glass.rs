@@ -5,8 +5,8 @@ use crate::geometry::{Color, Domain, settings};
 use crate::scene::SurfaceInteraction;
 
 settings! {
-    /// Clear matter with a smooth boundary, as glass and water. Its surface must be closed; what passes it is multiplied by the
-    /// material's colour.
+    /// Clear matter with a smooth boundary, as glass and water. Its surface must be closed; what
+    /// passes it is multiplied by the material's colour.
     pub struct Glass {
         /// The index of refraction. Default: 1.5.
         ior: f64, Domain::Positive, default 1.5;

@@ -2,8 +2,8 @@
 
 use crate::scene::TextureMap;
 
-/// Makes [`MapRole`] and what depends on the list of roles: a name, and whether the texture holds colours. Their levels are
-/// encoded as sRGB, those of all others are the numbers themselves.
+/// Makes [`MapRole`] and what depends on the list of roles: a name, and whether the texture holds
+/// colours. Their levels are encoded as sRGB, those of all others are the numbers themselves.
 macro_rules! roles {
     ($($(#[doc = $about:literal])* $name:literal => $role:ident, $is_color:literal;)*) => {
         /// The role of a texture in a material.

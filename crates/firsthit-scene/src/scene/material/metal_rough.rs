@@ -5,14 +5,16 @@ use crate::geometry::{Color, Domain, settings, unit};
 use crate::scene::{MapRole, SurfaceInteraction};
 
 settings! {
-    /// A metal, or what is none: glTF's metallic-roughness model, its names those of glTF. The material's colour is that of a metal's
-    /// reflection, of the ground below another boundary, or of what passes through.
+    /// A metal, or what is none: glTF's metallic-roughness model, its names those of glTF. The
+    /// material's colour is that of a metal's reflection, of the ground below another boundary, or
+    /// of what passes through.
     pub struct MetalRough {
         /// From 0, no metal, to 1. Default: 0.
         metallic: f64, Domain::From(0.0, 1.0), default 0.0;
         /// From 0, a mirror, to 1. Default: 0.5.
         roughness: f64, Domain::From(0.0, 1.0), default 0.5;
-        /// The index of refraction of what is no metal; 0 stands for infinity, as in glTF. Default: 1.5.
+        /// The index of refraction of what is no metal; 0 stands for infinity, as in glTF. Default:
+        /// 1.5.
         ior: f64, Domain::From(0.0, 100.0), default 1.5;
         /// The factor on the specular reflection of dielectrics. Default: 1.
         specular: f64, Domain::From(0.0, 1.0), default 1.0;
@@ -20,9 +22,11 @@ settings! {
         specular_color: Color, Domain::Color, default Color::ONE;
         /// The share of the light that is not reflected that goes through. Default: 0.
         transmission: f64, Domain::From(0.0, 1.0), default 0.0;
-        /// Whether the surface is that of a solid, which refracts light. Default: false, it is a thin wall, as a soap bubble.
+        /// Whether the surface is that of a solid, which refracts light. Default: false, it is a
+        /// thin wall, as a soap bubble.
         solid: bool, Domain::Flag, default false;
-        /// The colour of white light after the attenuation distance inside a solid. Default: [1, 1, 1].
+        /// The colour of white light after the attenuation distance inside a solid. Default: [1, 1,
+        /// 1].
         attenuation_color: Color, Domain::Color, default Color::ONE;
         /// The way on which light takes the attenuation colour. Default: infinite.
         attenuation_distance: f64, Domain::PositiveOrInfinite, default f64::INFINITY;

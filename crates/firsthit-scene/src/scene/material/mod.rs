@@ -82,7 +82,8 @@ pub enum AlphaMode {
         /// The least alpha that is there.
         cutoff: f64,
     },
-    /// The surface is translucent: it hides as much of what is behind it as alpha says. Rays of queries meet it as any other.
+    /// The surface is translucent: it hides as much of what is behind it as alpha says. Rays of
+    /// queries meet it as any other.
     Blend,
 }
 
@@ -127,7 +128,8 @@ impl Material {
         self.color * sample.map_or(Color::ONE, |sample| sample.color)
     }
 
-    /// Fails for numbers that make no sense: a light or a strength that is not finite, a setting of its model out of its domain.
+    /// Fails for numbers that make no sense: a light or a strength that is not finite, a setting of
+    /// its model out of its domain.
     ///
     /// # Errors
     ///

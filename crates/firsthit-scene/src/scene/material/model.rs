@@ -5,7 +5,8 @@ use super::{Glass, Matte, MetalRough};
 use crate::geometry::kinds;
 use crate::scene::SurfaceInteraction;
 
-/// Makes [`Model`] and everything that depends on the list of models. A model is a struct of settings that has a scattering.
+/// Makes [`Model`] and everything that depends on the list of models. A model is a struct of
+/// settings that has a scattering.
 macro_rules! models {
     ($($(#[doc = $about:literal])* $name:literal => $kind:ident;)*) => {
         /// The scattering model of a surface.
@@ -53,7 +54,8 @@ macro_rules! models {
 models! {
     /// A matte surface: light is scattered evenly in all directions.
     "matte" => Matte;
-    /// A metal, or what is none, as glTF has it: a rough boundary over a matte ground, with fibres, a coat, and light that goes through.
+    /// A metal, or what is none, as glTF has it: a rough boundary over a matte ground, with fibres,
+    /// a coat, and light that goes through.
     "metal-rough" => MetalRough;
     /// Clear matter with a smooth boundary.
     "glass" => Glass;

@@ -46,8 +46,8 @@ pub(super) struct Receiver {
 }
 
 impl Receiver {
-    /// A sample of a light for each point, with the numbers of the light's stream, and what the ground takes of it. It is black where
-    /// nothing can block it.
+    /// A sample of a light for each point, with the numbers of the light's stream, and what the
+    /// ground takes of it. It is black where nothing can block it.
     pub(super) fn draw_light(
         self,
         set: InstructionSet,
@@ -60,7 +60,8 @@ impl Receiver {
         }
     }
 
-    /// A cosine-weighted direction for each point, and what the environment brings from there. It is black where nothing can block it.
+    /// A cosine-weighted direction for each point, and what the environment brings from there. It
+    /// is black where nothing can block it.
     pub(super) fn sample_sky(
         self,
         set: InstructionSet,

@@ -55,7 +55,8 @@ impl Kernel for Band<'_> {
             {
                 plan.list_in_cone(rays.cone(plan.tiles_down), &mut near);
             }
-            // Neighbours one after the other: what one has brought into the cache the next one needs.
+            // Neighbours one after the other: what one has brought into the cache the next one
+            // needs.
             for (dx, dy) in ORDER {
                 let [row, column] = [first + dy, left + dx];
                 if dy < plan.tiles_down && row < down && column < across {

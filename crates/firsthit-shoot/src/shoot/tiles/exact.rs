@@ -1,4 +1,5 @@
-//! The exact test for pixels of a tile that float32 cannot decide: which of two triangles does the ray of a pixel meet first?
+//! The exact test for pixels of a tile that float32 cannot decide: which of two triangles does the
+//! ray of a pixel meet first?
 
 use std::cmp::Ordering;
 
@@ -10,7 +11,8 @@ use crate::shape::triangle::{EdgeRule, Shear, are_close};
 use crate::shoot::scaled_ray::ScaledRay;
 use crate::simd::{Kernel, Lanes};
 
-/// One of this many comparisons in a tile is counted for the mesh, whose counter all threads share. Tiles of most pictures have fewer.
+/// One of this many comparisons in a tile is counted for the mesh, whose counter all threads share.
+/// Tiles of most pictures have fewer.
 const COMPARED: u32 = 4;
 
 /// The exact test of a ray and a triangle, as a function of its own: it is rarely called.
@@ -56,8 +58,8 @@ impl TileTask<'_> {
         l.call(Decision { scene, ray, triangle })
     }
 
-    /// The order of two triangles along the ray of a pixel, which meets the old one, if it is known: in one plane the lower one is the
-    /// first, and nearly there heights tell.
+    /// The order of two triangles along the ray of a pixel, which meets the old one, if it is
+    /// known: in one plane the lower one is the first, and nearly there heights tell.
     fn known_order<L: Lanes>(
         &mut self,
         l: L,

@@ -2,10 +2,12 @@
 //!
 //! 1. Find how long a row is: where one begins, there is a leap from ray to ray.
 //! 2. Fit a grid of pixels to the rays in the corners.
-//! 3. Check 25 rays, evenly over the rows and columns. Any that is not near the grid means that there is no camera.
+//! 3. Check 25 rays, evenly over the rows and columns. Any that is not near the grid means that
+//!    there is no camera.
 //! 4. Each tile measures how far its rays are off the grid, and adds that to its bounds.
 //!
-//! The grid only serves to rule triangles out. What decides, and where they are met, are the rays themselves.
+//! The grid only serves to rule triangles out. What decides, and where they are met, are the rays
+//! themselves.
 //!
 //! Rays that go through no flat grid, as a fisheye's, are fitted tile by tile (`tile_rays.rs`).
 
@@ -15,8 +17,9 @@ use crate::geometry::{DMat3, DVec3, PixelGrid, Ray, Rays};
 /// Rays farther from their grid than this share of a pixel are not for tiles.
 pub(super) const FARTHEST: f64 = 0.01;
 
-/// The grid of the whole rows in `rays`, and the ray that those begin with, as far as the corners and a few others tell;
-/// `None` for any other rays. Before and behind there may be a part of a row.
+/// The grid of the whole rows in `rays`, and the ray that those begin with, as far as the corners
+/// and a few others tell; `None` for any other rays. Before and behind there may be a part of a
+/// row.
 pub(super) fn grid(rays: &dyn Rays) -> Option<(usize, PixelGrid)> {
     let (start, columns) = columns(rays)?;
     let rows = (rays.len() - start) / columns;
@@ -102,8 +105,8 @@ fn is_near(grid: &PixelGrid, row: usize, column: usize, ray: &Ray) -> bool {
     is_alike && ray.is_whole() && (crossing - grid.point(row, column)).length() < FARTHEST * pixel
 }
 
-/// The ends of four rays from an eye that make a parallelogram (but for the last): the first has the length it has.
-/// That is where a picture's corners are.
+/// The ends of four rays from an eye that make a parallelogram (but for the last): the first has
+/// the length it has. That is where a picture's corners are.
 pub(super) fn viewplane([first, right, below, last]: [DVec3; 4]) -> Option<[DVec3; 3]> {
     let lengths = DMat3::from_cols(right, below, -last).inverse() * first;
     let is_ahead = lengths.cmpgt(DVec3::ZERO).all() && lengths.is_finite();
@@ -193,8 +196,8 @@ mod tests {
         for is_parallel in [false, true] {
             let rays = array(is_parallel);
             assert_fits(&rays, 70);
-            // In single precision, in other lengths, and only the left part of the picture, which is not straight
-            // ahead.
+            // In single precision, in other lengths, and only the left part of the picture, which
+            // is not straight ahead.
             let single = |v: DVec3| v.as_vec3().as_dvec3();
             let change = |ray: &Ray| Ray::new(single(ray.origin), 2.0 * single(ray.direction));
             assert_fits(&rays.iter().map(change).collect::<Vec<_>>(), 70);

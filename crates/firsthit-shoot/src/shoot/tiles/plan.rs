@@ -56,8 +56,8 @@ pub(super) enum GridSource {
     Grid,
     /// The rays are an array's, and near one grid.
     Fitted,
-    /// The rays start in one point, and each tile has a grid of its own that they are near. The plan's grid has rows, columns and
-    /// that point only.
+    /// The rays start in one point, and each tile has a grid of its own that they are near. The
+    /// plan's grid has rows, columns and that point only.
     Curved,
 }
 
@@ -66,7 +66,8 @@ pub(super) struct Placed {
     pub(super) object: u32,
     pub(super) rows: Range<usize>,
     pub(super) columns: Range<usize>,
-    /// The depth from which on it may be met, in units of the viewplane's; of curved rays the distance.
+    /// The depth from which on it may be met, in units of the viewplane's; of curved rays the
+    /// distance.
     pub(super) entry: f64,
     /// The sphere around the object, for curved rays: its centre relative to where they start, and
     /// its radius.
@@ -133,7 +134,8 @@ impl<'a> Plan<'a> {
         })
     }
 
-    /// Lists which of `meshes` may be seen in the square of tiles from a row and a column of them on.
+    /// Lists which of `meshes` may be seen in the square of tiles from a row and a column of them
+    /// on.
     pub(super) fn list_near(&self, row: usize, column: usize, near: &mut Vec<u32>) {
         near.clear();
         for (index, placed) in (0..).zip(&self.meshes) {
@@ -145,7 +147,8 @@ impl<'a> Plan<'a> {
         }
     }
 
-    /// Leaves in `near` what a cone around curved rays may meet: its axis and the cosine of its half angle.
+    /// Leaves in `near` what a cone around curved rays may meet: its axis and the cosine of its
+    /// half angle.
     pub(super) fn list_in_cone(&self, (axis, cosine): (DVec3, f64), near: &mut Vec<u32>) {
         /// Far more than rounding.
         const SLACK: f64 = 1e-6;
@@ -175,8 +178,8 @@ fn is_unscaled(grid: &PixelGrid) -> bool {
 }
 
 /// Whether no part of a direction is so small that its quotient, or what
-/// [`quotient_by_inverse`](crate::geometry::arithmetic::quotient_by_inverse) corrects it by, has lost digits: a sum of such parts times
-/// such sizes is zero or above 1e-160.
+/// [`quotient_by_inverse`](crate::geometry::arithmetic::quotient_by_inverse) corrects it by, has
+/// lost digits: a sum of such parts times such sizes is zero or above 1e-160.
 fn has_digits(grid: &PixelGrid) -> bool {
     let is_sound = |x: f64| x == 0.0 || x.abs() >= 1e-60;
     let vectors = [grid.toward, grid.right, grid.upwards];
@@ -217,7 +220,8 @@ fn placed(grid: &PixelGrid, (index, object): (u32, &Object), bounds: Bounds) -> 
     if !(is_in_front && low.is_finite() && high.is_finite()) {
         return Some(whole);
     }
-    // What the rounding of a point comes to on the viewplane: a wrong depth moves it by its share, as far as it is aside.
+    // What the rounding of a point comes to on the viewplane: a wrong depth moves it by its share,
+    // as far as it is aside.
     let nearest = low.z - slack.z;
     let blur = |slack_across: f64, aside: f64| {
         if grid.parallel.is_some() {
@@ -226,7 +230,8 @@ fn placed(grid: &PixelGrid, (index, object): (u32, &Object), bounds: Bounds) -> 
             (slack_across + slack.z * aside) / nearest
         }
     };
-    // The tiles of a row or column of them, from where on the viewplane, counted from its first edge, something is seen.
+    // The tiles of a row or column of them, from where on the viewplane, counted from its first
+    // edge, something is seen.
     let tiles = |low: f64, high: f64, blur: f64, pixel: f64, axis: usize| {
         let pad = 1.0 + blur / pixel;
         let from_first = 0.5 * grid.whole[axis] as f64 - grid.first[axis] as f64;
@@ -295,8 +300,9 @@ impl Axes {
     }
 }
 
-/// The box around an object, which is in a box in its space, in the grid's coordinates, and the largest coordinate of its corners relative to the grid's position. Of
-/// perspective grids the first two coordinates are those on the viewplane.
+/// The box around an object, which is in a box in its space, in the grid's coordinates, and the
+/// largest coordinate of its corners relative to the grid's position. Of perspective grids the
+/// first two coordinates are those on the viewplane.
 fn seen(grid: &PixelGrid, object: &Object, bounds: Bounds, axes: &Axes) -> (DVec3, DVec3, f64) {
     let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
     let mut farthest: f64 = 0.0;
@@ -319,8 +325,8 @@ fn seen(grid: &PixelGrid, object: &Object, bounds: Bounds, axes: &Axes) -> (DVec
     (low, high, farthest)
 }
 
-/// The rays of the tile from a row and a column of pixels on, in an object's space. They are `off` pixels from the grid at
-/// most, and `rest` from where they are known to be ([`TileCamera::rest`]).
+/// The rays of the tile from a row and a column of pixels on, in an object's space. They are `off`
+/// pixels from the grid at most, and `rest` from where they are known to be ([`TileCamera::rest`]).
 pub(super) fn camera_of_tile(
     grid: &PixelGrid,
     object: &Object,

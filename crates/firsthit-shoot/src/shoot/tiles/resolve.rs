@@ -23,7 +23,8 @@ struct SeenObject<'a> {
 }
 
 impl SeenObject<'_> {
-    /// The object that all these triangles are of, and their numbers there in their place; `None` where they are of several.
+    /// The object that all these triangles are of, and their numbers there in their place; `None`
+    /// where they are of several.
     #[inline(always)]
     fn only_object(&self, scene: &Scene, primitives: &mut [i32; LANES]) -> Option<i32> {
         if self.mesh.one().is_some() {
@@ -40,7 +41,8 @@ impl SeenObject<'_> {
     }
 }
 
-/// Writes the hits of a block, each with the mask of its half; `false` where one of them is not sound, or they are of several objects.
+/// Writes the hits of a block, each with the mask of its half; `false` where one of them is not
+/// sound, or they are of several objects.
 #[inline(always)]
 fn put_sound<L: Lanes>(
     l: L,
@@ -110,7 +112,8 @@ impl TileTask<'_> {
         }
     }
 
-    /// Writes the hits of a block whose pixels all meet one object; `false` where anything is special.
+    /// Writes the hits of a block whose pixels all meet one object; `false` where anything is
+    /// special.
     #[inline(always)]
     fn resolve_block<L: Lanes>(
         &self,
@@ -217,7 +220,8 @@ impl TileTask<'_> {
         }
     }
 
-    /// The rays of half a block's pixels in an object's space: what `Rays::ray` and `ray_in_object` give, bit for bit.
+    /// The rays of half a block's pixels in an object's space: what `Rays::ray` and `ray_in_object`
+    /// give, bit for bit.
     #[inline(always)]
     #[expect(clippy::too_many_lines, reason = "a macro for vectors is a part of it")]
     fn rays_in_object<L: Lanes>(&self, l: L, seen: &SeenObject<'_>, half: usize) -> RayBundle<L> {

@@ -1,8 +1,8 @@
 //! The buffer for the hits of tiles: a square of 4 x 4 tiles, small enough for the first cache.
 //!
-//! From there they go to memory in long rows, which it takes far faster; of large pictures past the caches, in whole cache lines
-//! only: a line written in two parts costs more than five whole ones. What is left of a row's last line waits for the square to the
-//! right.
+//! From there they go to memory in long rows, which it takes far faster; of large pictures past the
+//! caches, in whole cache lines only: a line written in two parts costs more than five whole ones.
+//! What is left of a row's last line waits for the square to the right.
 
 use std::ops::Range;
 
@@ -16,7 +16,8 @@ use crate::simd::{LANES, Lanes, WIDE, set_bits};
 /// Pixels across and down a square of tiles.
 pub(super) const SIDE: usize = 4 * TILE;
 
-/// See [the module](self). In front of a row stands what the square to the left has kept of its last line.
+/// See [the module](self). In front of a row stands what the square to the left has kept of its
+/// last line.
 #[derive(Debug)]
 pub(super) struct Square {
     t: InPhase<f64>,
@@ -65,8 +66,9 @@ impl Square {
 
 /// The values of a square, beginning [`PHASE`] bytes behind the start of a cache line.
 ///
-/// Large arrays do so, for allocators put 16 bytes of their own in front of whole pages. Where both do, lines are
-/// lines in the square too; where not, each is read from two, which makes pictures a tenth slower.
+/// Large arrays do so, for allocators put 16 bytes of their own in front of whole pages. Where both
+/// do, lines are lines in the square too; where not, each is read from two, which makes pictures a
+/// tenth slower.
 #[derive(Debug)]
 struct InPhase<T> {
     values: Vec<T>,
@@ -93,7 +95,8 @@ impl<T: Copy> InPhase<T> {
 }
 
 impl HitSlices<'_> {
-    /// Writes those of a whole block to a square, from an index on: each meets `object`, half of them in a register.
+    /// Writes those of a whole block to a square, from an index on: each meets `object`, half of
+    /// them in a register.
     #[inline(always)]
     pub(super) fn put_block<L: Lanes>(
         &mut self,
@@ -119,8 +122,8 @@ impl HitSlices<'_> {
         }
     }
 
-    /// Takes a square's hits, whose first column is `left`, into a band as wide as `columns`; past the caches if there
-    /// are many. Squares come from the left to the right.
+    /// Takes a square's hits, whose first column is `left`, into a band as wide as `columns`; past
+    /// the caches if there are many. Squares come from the left to the right.
     #[inline(always)]
     pub(super) fn take<L: Lanes>(
         &mut self,
@@ -152,8 +155,8 @@ impl HitSlices<'_> {
     }
 }
 
-/// Takes a square's row to `columns` of a picture's, past the caches: the whole lines, with what was kept before;
-/// what is left of the last one is kept.
+/// Takes a square's row to `columns` of a picture's, past the caches: the whole lines, with what
+/// was kept before; what is left of the last one is kept.
 #[inline(always)]
 fn stream<L: Lanes, T: Pod>(l: L, from: &mut [T], to: &mut [T], columns: Range<usize>) {
     let Range { start, end } = columns;

@@ -2,8 +2,9 @@
 //!
 //! 1. Fill a [`VisibilityBuffer`] from the meshes that may be seen in the tile, the nearest first.
 //! 2. Compute the hits of its pixels from that, eight at a time (`resolve.rs`).
-//! 3. Intersect the other shapes that may be seen in the tile, eight rays at a time (`shoot/shapes.rs`). Objects that fit neither step get
-//!    single rays; so does everything where float32 cannot do the tile.
+//! 3. Intersect the other shapes that may be seen in the tile, eight rays at a time
+//!    (`shoot/shapes.rs`). Objects that fit neither step get single rays; so does everything where
+//!    float32 cannot do the tile.
 
 use super::pixels::Pixels;
 use super::plan::{GridSource, MOST_SHAPES, Placed, Plan, Rest, camera_of_tile};
@@ -183,8 +184,8 @@ impl<'a> TileTask<'a> {
         self.first_index + row * Square::STRIDE
     }
 
-    /// Shoots single rays at what the tile leaves out: at all objects unless `is_filled`, else at those that tiles
-    /// cannot do.
+    /// Shoots single rays at what the tile leaves out: at all objects unless `is_filled`, else at
+    /// those that tiles cannot do.
     #[inline(always)]
     fn complete<L: Lanes>(
         &self,
@@ -258,7 +259,8 @@ fn longest(grid: &PixelGrid) -> f64 {
     lengths.into_iter().fold(0.0, f64::max)
 }
 
-/// The rays of a tile against shapes other than meshes, as a function of its own: most pictures have none.
+/// The rays of a tile against shapes other than meshes, as a function of its own: most pictures
+/// have none.
 struct IntersectShapes<'r, 'a, 'out> {
     tile: &'r TileTask<'a>,
     objects: &'r [u32],

@@ -1,7 +1,9 @@
-//! The rays of a tile where they are not those of one grid: as they are, in lanes, and how far they are off a grid.
+//! The rays of a tile where they are not those of one grid: as they are, in lanes, and how far they
+//! are off a grid.
 //!
-//! The rays of an array are near the grid of the whole picture, or they are not for tiles. Those of a lens are near a grid of their
-//! own in each tile, and how far each is off that is known: what is left of its error is rounding.
+//! The rays of an array are near the grid of the whole picture, or they are not for tiles. Those of
+//! a lens are near a grid of their own in each tile, and how far each is off that is known: what is
+//! left of its error is rounding.
 
 use super::fit::{FARTHEST, is_sound, viewplane};
 use super::pixels::{HALVES, Pixels};
@@ -13,7 +15,8 @@ use crate::simd::{Lanes, WIDE};
 /// Tiles across and down a square.
 const TILES: usize = SIDE / TILE;
 
-/// The rays of a square of tiles as they are, in lanes: memory gives long rows far faster than short ones.
+/// The rays of a square of tiles as they are, in lanes: memory gives long rows far faster than
+/// short ones.
 #[derive(Debug)]
 pub(super) struct SquareRays {
     /// The origins for each half of a block, tile by tile and row by row, and each axis.
@@ -253,8 +256,9 @@ impl TileRays<'_> {
         (most < FARTHEST_CURVED).then_some(most)
     }
 
-    /// A grid that the rays are near, if they all start at `position`: a parallelogram through four of them that are so far inside
-    /// that the others are off by as much in the middle as at the edges.
+    /// A grid that the rays are near, if they all start at `position`: a parallelogram through four
+    /// of them that are so far inside that the others are off by as much in the middle as at the
+    /// edges.
     pub(super) fn grid(&self, position: DVec3, [rows, columns]: [usize; 2]) -> Option<PixelGrid> {
         let ends = |count: usize| {
             let inset = (count - 1) * 3 / 20;

@@ -118,7 +118,8 @@ fn between_two_pixels_that_see_different_objects_there_is_a_line() {
                     if a == b || !are_neighbours(&camera, here, other) {
                         continue;
                     }
-                    // Of a line between them both centres are within a pixel, which a line three pixels wide covers.
+                    // Of a line between them both centres are within a pixel, which a line three
+                    // pixels wide covers.
                     changes += 1;
                     let least = covered.min(other_covered);
                     assert!(least > 0.99, "{name} {here:?} {other:?} {a} {b} {least}");
@@ -156,8 +157,8 @@ fn where_there_is_a_line_pixels_near_it_see_different_objects() {
     }
 }
 
-/// Both its ends are outside of what the lens sees, and it is in the picture for less than a hundredth of its length: none of its
-/// 32 parts of equal length has an end in the picture.
+/// Both its ends are outside of what the lens sees, and it is in the picture for less than a
+/// hundredth of its length: none of its 32 parts of equal length has an end in the picture.
 #[test]
 fn a_long_line_crosses_the_picture_of_a_fisheye() {
     let points = [[-1300.0, 5.0, -1.0], [700.0, 5.0, -1.0], [0.0, 5.0, -900.0]];
@@ -182,7 +183,8 @@ fn a_long_line_crosses_the_picture_of_a_fisheye() {
     }
 }
 
-/// Turned by some columns, a panorama all around is the same picture moved by them, across its edges too.
+/// Turned by some columns, a panorama all around is the same picture moved by them, across its
+/// edges too.
 #[test]
 fn lines_continue_across_the_seam_of_a_panorama() {
     let (scene, columns) = (around(), 160);

@@ -1,4 +1,5 @@
-//! Lines along edges: where they are, what hides them, and that they are the same however they are made.
+//! Lines along edges: where they are, what hides them, and that they are the same however they are
+//! made.
 
 mod kinds;
 mod lenses;

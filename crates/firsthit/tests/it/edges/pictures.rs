@@ -171,7 +171,8 @@ fn the_coverage_of_wide_lines_can_be_interrupted() {
     assert!(matches!(made, Err(Error::Interrupted)), "{made:?}");
 }
 
-/// Before a transparent background a line is as opaque as it covers: in the colours' own alpha and in the channel of that name.
+/// Before a transparent background a line is as opaque as it covers: in the colours' own alpha and
+/// in the channel of that name.
 #[test]
 fn the_alpha_channel_is_that_of_the_colours_with_their_lines() {
     let scene = example::scene().unwrap();

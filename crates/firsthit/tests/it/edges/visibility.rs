@@ -26,13 +26,15 @@ fn a_cube_shows_the_edges_of_the_faces_that_are_seen() {
             Cuboid::new(-DVec3::ONE, DVec3::ONE).unwrap().into(),
         ] {
             let lines = lines_of(&of(shape.clone()), camera, &Edges::default());
-            // Pieces that end at a face's border may be seen or not: half a pixel at each end of an edge.
+            // Pieces that end at a face's border may be seen or not: half a pixel at each end of an
+            // edge.
             let total = length(&lines);
             assert!((total - expected).abs() < 12.0, "{shape:?} {total} {expected}");
             for width in [0.5, 1.0, 3.0] {
                 let edges = Edges { width, ..Edges::default() };
                 let sum: f32 = covered(&of(shape.clone()), camera, &edges).iter().sum();
-                // At each of the 7 corners up to three lines of this reach have ends, or lie on each other.
+                // At each of the 7 corners up to three lines of this reach have ends, or lie on
+                // each other.
                 let ends = 7.0 * 0.5 * (width + 1.0) * (width + 1.0);
                 let off = f64::from(sum) - expected * width;
                 assert!(off.abs() < ends + 0.01 * expected * width, "{width} {off}");
@@ -56,7 +58,8 @@ fn hidden_edges_of_a_cube_do_not_shine_through() {
             crossed += usize::from(covered[at.y as usize * SIDE + at.x as usize] > 0.0);
         }
     }
-    // In the picture they cross edges that are seen, three of them at most, each for some four pixels.
+    // In the picture they cross edges that are seen, three of them at most, each for some four
+    // pixels.
     assert!(crossed < 24, "{crossed}");
 }
 

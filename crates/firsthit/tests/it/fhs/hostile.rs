@@ -175,7 +175,8 @@ fn a_camera_of_impossible_numbers_is_a_fault_of_the_file() {
     assert!(said.starts_with("a.fhs: the record: rows must be"), "{said}");
 }
 
-/// With the checksums of the header and the record made right again, so that the reader sees what is there.
+/// With the checksums of the header and the record made right again, so that the reader sees what
+/// is there.
 #[test]
 fn a_record_of_anything_does_no_harm() {
     let bytes = small();

@@ -295,7 +295,8 @@ fn objects_of_an_opened_world_can_be_changed() {
     assert_same(&scene, &expected, 300);
 }
 
-/// The answers of every query on every instruction set, for scattered rays, for coherent ones, and for a camera's.
+/// The answers of every query on every instruction set, for scattered rays, for coherent ones, and
+/// for a camera's.
 fn assert_same(one: &Scene, other: &Scene, count: usize) {
     let points: Vec<DVec3> = (0..40).map(|k| 2.0 * Numbers::new(k).point()).collect();
     let scattered = rays(&points, count, 7);

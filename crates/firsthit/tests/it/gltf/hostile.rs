@@ -36,7 +36,8 @@ fn refusal(pointer: &str, value: Value) -> String {
     builder.refusal()
 }
 
-/// Where a value is put that is wrong there, and what the error's place adds to that (after `!`, is instead).
+/// Where a value is put that is wrong there, and what the error's place adds to that (after `!`, is
+/// instead).
 fn wrong_values() -> impl Iterator<Item = (&'static str, Value, &'static str)> {
     [
         ("/asset/version", json!("1.0"), ""),

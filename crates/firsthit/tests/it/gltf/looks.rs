@@ -43,7 +43,8 @@ fn wrapped(place: f64, mode: u64) -> usize {
     usize::try_from(texel).unwrap()
 }
 
-/// The twelve squares of `textures.glb`: nine pairs of wrap modes, another set of coordinates, a transform, a factor.
+/// The twelve squares of `textures.glb`: nine pairs of wrap modes, another set of coordinates, a
+/// transform, a factor.
 #[test]
 #[ignore = "needs ../shared/refdata"]
 fn texels_are_seen_where_the_reference_has_them() {

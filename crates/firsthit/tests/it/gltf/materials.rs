@@ -226,7 +226,8 @@ fn a_normal_map_without_a_tilt_changes_nothing() {
     }
 }
 
-/// The texture's rows run downwards: green leans upwards, against v. The texels say x, y = 0.6 to the right, or 0.6 upwards.
+/// The texture's rows run downwards: green leans upwards, against v. The texels say x, y = 0.6 to
+/// the right, or 0.6 upwards.
 #[test]
 fn normal_maps_lean_as_gltf_says_in_mirrors_too() {
     let right = [[204, 128, 230, 255]; 2];

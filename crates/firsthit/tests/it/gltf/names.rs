@@ -24,8 +24,8 @@ fn channels(scene: &Scene, rays: &[Ray], names: &[&str]) -> Vec<Data> {
     made.into_iter().map(|channel| channel.data).collect()
 }
 
-/// A mesh of two triangles side by side, each a primitive with a material of its own, at two nodes of one name, and once more by
-/// itself under a node without a name.
+/// A mesh of two triangles side by side, each a primitive with a material of its own, at two nodes
+/// of one name, and once more by itself under a node without a name.
 fn truck() -> Builder {
     let mut builder = Builder::triangle();
     let moved = builder.floats(&[2.0, 0.0, 0.0, 3.0, 0.0, 0.0, 2.0, 1.0, 0.0], "VEC3");
@@ -131,7 +131,8 @@ fn png() -> String {
     format!("data:image/png;base64,{}", STANDARD.encode(bytes))
 }
 
-/// A square with texture coordinates (x, y), which run downwards in glTF, and a factor of (1/2, 1, 1).
+/// A square with texture coordinates (x, y), which run downwards in glTF, and a factor of (1/2, 1,
+/// 1).
 fn base_colors(filter: u32, places: &[[f64; 2]]) -> Vec<[f64; 3]> {
     let mut builder = Builder::new();
     let corners = [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 1.0, 1.0, 0.0];
@@ -170,7 +171,8 @@ fn base_color_is_the_texel_times_the_factor() {
         [f64::NAN; 3],
     ];
     assert_near(&base_colors(9728, &quarters), &texels);
-    // At the centres; a quarter of the way from one to the next; in the middle of all four; beyond the centres, clamped.
+    // At the centres; a quarter of the way from one to the next; in the middle of all four; beyond
+    // the centres, clamped.
     let places = [[0.25, 0.25], [0.375, 0.25], [0.5, 0.5], [0.05, 0.75]];
     let means = [
         [0.5, 0.0, 0.0],

@@ -1,4 +1,5 @@
-//! Files that other programs packed: meshoptimizer's encoder and Google's Draco encoder, see testdata/README.
+//! Files that other programs packed: meshoptimizer's encoder and Google's Draco encoder, see
+//! testdata/README.
 
 use std::collections::HashSet;
 use std::f64::consts::TAU;

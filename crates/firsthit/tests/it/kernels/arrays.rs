@@ -7,8 +7,8 @@ use super::pixels::cameras;
 use crate::support::generators::{PLACES, placed, soup};
 use crate::support::{Numbers, cases, mesh, rounds};
 
-/// A camera's rays in an array, as others make them: rounded, of any length, of a part of the picture, bent, and with
-/// rays among them that belong to no pixel.
+/// A camera's rays in an array, as others make them: rounded, of any length, of a part of the
+/// picture, bent, and with rays among them that belong to no pixel.
 fn pixels(camera: &Camera, kind: usize, numbers: &mut Numbers) -> Vec<Ray> {
     let columns = if kind == 3 { 16..camera.columns() } else { 0..camera.columns() };
     let mut rays = Vec::new();
@@ -104,8 +104,8 @@ fn arrays_of_grazing_parallel_rays() {
     assert!(hits > 3_000, "{hits}");
 }
 
-/// Rays that go a long way, a little aslant their grid: where an object is seen is not where it would be straight
-/// ahead.
+/// Rays that go a long way, a little aslant their grid: where an object is seen is not where it
+/// would be straight ahead.
 #[test]
 fn arrays_a_little_aslant() {
     let points = [[-1.0, 70.0, 0.0], [12.0, -5.0, 0.0], [12.0, 70.0, 0.0]].map(DVec3::from);

@@ -1,4 +1,5 @@
-//! Cameras whose rays go through no flat grid: each tile has a grid of its own, and knows how far each ray is off it.
+//! Cameras whose rays go through no flat grid: each tile has a grid of its own, and knows how far
+//! each ray is off it.
 
 use firsthit::{Camera, DVec3, Lens, Object, Projection, Scene, View};
 
@@ -7,8 +8,9 @@ use super::pixels::grid;
 use crate::support::generators::{PLACES, placed, soup};
 use crate::support::{Numbers, cases, mesh, rounds};
 
-/// Cameras near a place, with lenses of every curvature: fine pictures, whose rays are off by a hundredth of a pixel, and coarse
-/// ones, in which some tiles are just near enough to a grid and others are not.
+/// Cameras near a place, with lenses of every curvature: fine pictures, whose rays are off by a
+/// hundredth of a pixel, and coarse ones, in which some tiles are just near enough to a grid and
+/// others are not.
 fn cameras(middle: DVec3, size: f64, numbers: &mut Numbers) -> Vec<Camera> {
     let matrix = |pixels: f64| [("fx", pixels), ("fy", pixels), ("cx", 24.0), ("cy", 17.0)];
     let calibrated = |projection, pixels: f64, own: &[(&'static str, f64)]| {
@@ -86,7 +88,8 @@ fn curved_rays_on_sheets_of_small_triangles() {
     assert!(hits > cases(5_000), "{hits}");
 }
 
-/// More objects than are asked for without looking where they are, one behind the other and side by side.
+/// More objects than are asked for without looking where they are, one behind the other and side by
+/// side.
 #[test]
 fn curved_rays_on_many_objects() {
     let mut hits = 0;
@@ -106,8 +109,8 @@ fn curved_rays_on_many_objects() {
     assert!(hits > cases(4_000), "{hits}");
 }
 
-/// An object just before a wall: coarse fisheyes have tiles whose rays reach past the corners of their grids, and so may the first
-/// depth at which the object is met.
+/// An object just before a wall: coarse fisheyes have tiles whose rays reach past the corners of
+/// their grids, and so may the first depth at which the object is met.
 #[test]
 fn curved_rays_on_what_is_just_before_a_wall() {
     let mut hits = 0;

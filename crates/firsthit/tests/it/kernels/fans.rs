@@ -1,5 +1,5 @@
-//! Neighbours that are in a plane, or nearly, as the pixels of a row, and what they see from a light: these go
-//! together.
+//! Neighbours that are in a plane, or nearly, as the pixels of a row, and what they see from a
+//! light: these go together.
 
 use firsthit::{DVec3, Object, Ray, Scene};
 
@@ -7,8 +7,8 @@ use super::checked;
 use crate::support::generators::{PLACES, placed};
 use crate::support::{Numbers, bumpy_sphere, cases, mesh};
 
-/// Sixteen rays over a triangle's edge `a` to `b`, and beyond it: from one point, to one point, side by side, from a
-/// bent line to one point, and apart from one another.
+/// Sixteen rays over a triangle's edge `a` to `b`, and beyond it: from one point, to one point,
+/// side by side, from a bent line to one point, and apart from one another.
 fn fan(kind: usize, [a, b]: [DVec3; 2], scale: f64, numbers: &mut Numbers) -> Vec<Ray> {
     let light = a + scale * (0.2 + numbers.unit()) * numbers.point();
     let way = light - a;
@@ -49,8 +49,8 @@ fn fans_over_edges() {
     }
 }
 
-/// Rays side by side that start just above the edges between small triangles far from each other, with others just
-/// behind: what float32 takes from the starts is large beside the triangles.
+/// Rays side by side that start just above the edges between small triangles far from each other,
+/// with others just behind: what float32 takes from the starts is large beside the triangles.
 #[test]
 fn starts_far_apart_just_above_small_triangles() {
     for (round, (scale, offset)) in PLACES.into_iter().enumerate() {

@@ -9,8 +9,9 @@ use firsthit::{DVec3, InstructionSet, Object, Ray, Scene};
 
 use crate::support::{Numbers, cases, mesh, refdata, soak_rays};
 
-/// Aims at each mesh that is closed, from a point inside, where it is, far away and in other sizes: at corners and
-/// at edges, so many rays each, other ones in each round. Returns how many rays there were.
+/// Aims at each mesh that is closed, from a point inside, where it is, far away and in other sizes:
+/// at corners and at edges, so many rays each, other ones in each round. Returns how many rays
+/// there were.
 fn leaks(round: usize, rays_each: usize) -> usize {
     let folder = refdata();
     let mut numbers = Numbers::new(7 + round as u64);
@@ -40,8 +41,8 @@ fn leaks(round: usize, rays_each: usize) -> usize {
     shot
 }
 
-/// Shoots from inside the one closed mesh of a scene at its corners and edges, which are counted on and on, with every
-/// instruction set.
+/// Shoots from inside the one closed mesh of a scene at its corners and edges, which are counted on
+/// and on, with every instruction set.
 fn aimed(scene: &Scene, which: Range<usize>, numbers: &mut Numbers, path: &Path) -> usize {
     let mesh = scene.objects()[0].mesh().unwrap();
     let Some(inside) = point_inside(scene, numbers) else {

@@ -24,8 +24,8 @@ use firsthit::{
 use crate::support::generators::{PLACES, cloud, placed, rays, short_rays, soup, unshared};
 use crate::support::{Numbers, bits, bumpy_sphere, cases, mesh, on_threads, rounds, soak_rays};
 
-/// Shoots `rays` with every instruction set and compares with brute force; returns how many hit. Then some of them once
-/// more, which begin where they hit, just before, or anywhere.
+/// Shoots `rays` with every instruction set and compares with brute force; returns how many hit.
+/// Then some of them once more, which begin where they hit, just before, or anywhere.
 fn checked<R: Rays + ?Sized>(scene: &Scene, rays: &R) -> usize {
     let hits = compared(scene, rays);
     let later = |(k, t): (usize, f64)| {
@@ -46,7 +46,8 @@ fn compared<R: Rays + ?Sized>(scene: &Scene, rays: &R) -> Vec<Hit> {
     let expected_all = trace_with(&BruteForce, scene, rays, every, &()).unwrap();
     let fast = BuildSettings { build: Build::Fast, rays: None };
     let quick = Scene::build(scene.objects().to_vec(), fast).unwrap();
-    // The trees that were built in little time with one of the sets: what differs is not in the kernels.
+    // The trees that were built in little time with one of the sets: what differs is not in the
+    // kernels.
     let last = InstructionSet::available().last().map(|set| (set, &quick));
     for (set, scene) in InstructionSet::available().map(|set| (set, scene)).chain(last) {
         let engine = Cpu::with(set);
@@ -76,7 +77,8 @@ fn compared<R: Rays + ?Sized>(scene: &Scene, rays: &R) -> Vec<Hit> {
     expected
 }
 
-/// Rounds of soups of every scale at every place; `rays_each` rays for each, and half as many short ones.
+/// Rounds of soups of every scale at every place; `rays_each` rays for each, and half as many short
+/// ones.
 fn soups(rounds: Range<u64>, rays_each: usize) -> usize {
     let mut shot = 0;
     for round in rounds {
@@ -111,8 +113,8 @@ fn soups_of_every_scale_and_place() {
     assert!(soups(0..48, cases(4000)) > cases(100_000));
 }
 
-/// Through trees of some levels, where packets go from node to node together; a cloud of triangles, in which rays soon
-/// have little in common; and instances.
+/// Through trees of some levels, where packets go from node to node together; a cloud of triangles,
+/// in which rays soon have little in common; and instances.
 #[test]
 fn short_rays_from_neighbours() {
     for (round, (scale, offset)) in PLACES.into_iter().enumerate() {
@@ -136,8 +138,9 @@ fn short_rays_from_neighbours() {
     }
 }
 
-/// Many turned instances of some meshes at every scale, of which hardly any two rays come to the same one at a time: then sixteen rays go
-/// together that are at sixteen meshes. Each mesh has units and a middle of its own; some vertices are float32, and some are not.
+/// Many turned instances of some meshes at every scale, of which hardly any two rays come to the
+/// same one at a time: then sixteen rays go together that are at sixteen meshes. Each mesh has
+/// units and a middle of its own; some vertices are float32, and some are not.
 #[test]
 fn rays_among_many_instances() {
     const UNITS: [f64; 5] = [1.0, 0.01, 40.0, 3.0, 1e-3];
@@ -184,7 +187,8 @@ fn rays_among_many_instances() {
     }
 }
 
-/// Two sheets that go through one another, seen almost along them: which is first hangs on digits that float32 lacks.
+/// Two sheets that go through one another, seen almost along them: which is first hangs on digits
+/// that float32 lacks.
 #[test]
 fn sheets_seen_almost_along_them() {
     let mut hits = 0;
@@ -292,8 +296,8 @@ fn pictures_and_batches_are_the_same_for_all_threads_and_instruction_sets() {
     assert!(hashes.iter().all(|hash| *hash == hashes[0]), "{hashes:?}");
 }
 
-/// A triangle without an inside that is far from the ray may look met in float32, if nothing but the sizes of the
-/// triangles around it says what rounding comes to.
+/// A triangle without an inside that is far from the ray may look met in float32, if nothing but
+/// the sizes of the triangles around it says what rounding comes to.
 #[test]
 fn points_are_not_met() {
     let mut numbers = Numbers::new(11);

@@ -70,7 +70,8 @@ fn cameras_on_soups() {
     assert!(hits > cases(20_000), "{hits}");
 }
 
-/// Directions with parts that are zero, of either sign, or next to nothing, through corners, where every digit counts.
+/// Directions with parts that are zero, of either sign, or next to nothing, through corners, where
+/// every digit counts.
 #[test]
 fn cameras_whose_directions_have_tiny_parts() {
     const SIDE: u32 = 9;
@@ -79,7 +80,8 @@ fn cameras_whose_directions_have_tiny_parts() {
     let mut hits = 0;
     for tiny in [0.0_f64, -0.0, 1e-17, 1e-59, -1e-61, 1e-160, -1e-300, 1e-310] {
         for scale in [1.0, tiny.abs().max(1e-70)] {
-            // As wide as the grid of corners, but for the scale; a part of the size of the rest, or none.
+            // As wide as the grid of corners, but for the scale; a part of the size of the rest, or
+            // none.
             let view = View {
                 position: 4.0 * DVec3::Z,
                 aim: DVec3::new(tiny, -tiny, -1.0),
@@ -186,8 +188,8 @@ fn a_grid_looked_at_through_its_corners() {
     assert_eq!(checked(&scene, &camera), camera.pixels());
 }
 
-/// A small part of a large mesh through a long lens: what float32 takes from a coordinate is seen there, be the rest of
-/// the mesh in other leaves of the tree or in the same one.
+/// A small part of a large mesh through a long lens: what float32 takes from a coordinate is seen
+/// there, be the rest of the mesh in other leaves of the tree or in the same one.
 #[test]
 fn small_triangles_of_a_large_mesh() {
     const CELL: f64 = 0.24;
@@ -305,7 +307,8 @@ fn triangles_smaller_than_a_pixel() {
     assert!(hits > 150, "{hits}");
 }
 
-/// Two trees whose leaves have the same numbers, side by side in a tile: each has its own triangles.
+/// Two trees whose leaves have the same numbers, side by side in a tile: each has its own
+/// triangles.
 #[test]
 fn meshes_with_other_orders_side_by_side() {
     let (points, triangles) = bumpy_sphere(12, 3);

@@ -1,5 +1,5 @@
-//! Many triangles that overlap in one plane, or nearly: their planes become known on the way (`shape/mesh/planes.rs`), and nothing
-//! changes by that.
+//! Many triangles that overlap in one plane, or nearly: their planes become known on the way
+//! (`shape/mesh/planes.rs`), and nothing changes by that.
 
 use firsthit::shoot::{Any, BruteForce, Count, Cpu, Engine, First, trace_with};
 use firsthit::{Camera, DVec3, Filtered, Hit, InstructionSet, Object, Ray, RayFilter, Rays, Scene};
@@ -7,8 +7,8 @@ use firsthit::{Camera, DVec3, Filtered, Hit, InstructionSet, Object, Ray, RayFil
 use super::checked;
 use crate::support::{Numbers, bits, cases, mesh};
 
-/// Triangles in the plane z = slope . (x, y), of coordinates that make this exact; every fifth is a last digit beside it, and `fan` says
-/// whether all the others have a corner in common.
+/// Triangles in the plane z = slope . (x, y), of coordinates that make this exact; every fifth is a
+/// last digit beside it, and `fan` says whether all the others have a corner in common.
 fn sheet(count: u32, slope: [f64; 2], is_fan: bool, numbers: &mut Numbers) -> Scene {
     let mut points = Vec::new();
     for k in 0..count {

@@ -1,5 +1,5 @@
-//! Shapes that are no meshes, alone and among meshes: pictures ask those that a tile may see, other rays those that a beam of them may
-//! meet, and where there are many a tree.
+//! Shapes that are no meshes, alone and among meshes: pictures ask those that a tile may see, other
+//! rays those that a beam of them may meet, and where there are many a tree.
 
 use std::sync::Arc;
 
@@ -34,8 +34,8 @@ fn shape(k: usize, centre: DVec3, scale: f64, numbers: &mut Numbers) -> Shape {
     }
 }
 
-/// So many shapes around a place, some of them turned and stretched, one hidden, two in the place of others; a few meshes among them
-/// if there is one.
+/// So many shapes around a place, some of them turned and stretched, one hidden, two in the place
+/// of others; a few meshes among them if there is one.
 fn objects(
     count: usize,
     (scale, offset): (f64, f64),
@@ -64,7 +64,8 @@ fn objects(
     objects
 }
 
-/// Rays sixteen by sixteen that nearly agree, from a place that they share or from places side by side, some of them with ends.
+/// Rays sixteen by sixteen that nearly agree, from a place that they share or from places side by
+/// side, some of them with ends.
 pub(super) fn beams(places: &[DVec3], scale: f64, count: usize, numbers: &mut Numbers) -> Vec<Ray> {
     let mut rays = Vec::with_capacity(16 * count);
     for k in 0..count {
@@ -143,7 +144,8 @@ fn moved_shapes_are_met_where_they_are() {
     }
 }
 
-/// A ray alone is asked for the box of a cone first, and neighbours together: what they meet does not depend on that.
+/// A ray alone is asked for the box of a cone first, and neighbours together: what they meet does
+/// not depend on that.
 #[test]
 fn flat_cones_are_met_alike_side_by_side_and_alone() {
     let mut numbers = Numbers::new(51);
@@ -164,7 +166,8 @@ fn flat_cones_are_met_alike_side_by_side_and_alone() {
     }
 }
 
-/// Rays that leave surfaces side by side, nearly in one direction. In some beams all rays see less, in others one does.
+/// Rays that leave surfaces side by side, nearly in one direction. In some beams all rays see less,
+/// in others one does.
 fn leaving(scene: &Scene, starts: &[Ray], numbers: &mut Numbers) -> (Vec<Ray>, Vec<RayFilter>) {
     let hits = trace(scene, starts, First, &()).unwrap();
     let (mut rays, mut filters) = (Vec::new(), Vec::new());

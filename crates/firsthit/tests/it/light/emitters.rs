@@ -1,4 +1,5 @@
-//! Surfaces that emit light: copies of them, spheres around the point, what is shown as it is, and a clear coat over them.
+//! Surfaces that emit light: copies of them, spheres around the point, what is shown as it is, and
+//! a clear coat over them.
 
 use std::f64::consts::PI;
 use std::sync::Arc;
@@ -26,7 +27,8 @@ const DOWN: [Ray; 1] = [Ray {
     t_max: f64::INFINITY,
 }];
 
-/// What files write for two-sided surfaces: each triangle twice, or the whole object twice. A ray meets one of them.
+/// What files write for two-sided surfaces: each triangle twice, or the whole object twice. A ray
+/// meets one of them.
 #[test]
 fn copies_of_a_lamp_do_not_shine_twice() {
     let corners = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]];
@@ -66,8 +68,9 @@ fn within_a_glowing_ball_light_comes_from_everywhere() {
     }
 }
 
-/// Points of the glowing wall itself, inside or outside of it by rounding. A black ball in the middle takes a quarter of all light, the
-/// square of the sine of the cone in which they see it; the rest is the wall's.
+/// Points of the glowing wall itself, inside or outside of it by rounding. A black ball in the
+/// middle takes a quarter of all light, the square of the sine of the cone in which they see it;
+/// the rest is the wall's.
 #[test]
 fn the_wall_of_a_glowing_ball_lights_itself() {
     let scene = Scene::new(vec![ball(2.0, glowing(0.6, 1.0)), ball(1.0, matte(0.0))]).unwrap();
@@ -89,7 +92,8 @@ fn the_wall_of_a_glowing_ball_lights_itself() {
     }
 }
 
-/// A material that is shown as it is gives no light, be it lit, met or seen in a mirror (glTF's `KHR_materials_unlit`).
+/// A material that is shown as it is gives no light, be it lit, met or seen in a mirror (glTF's
+/// `KHR_materials_unlit`).
 #[test]
 fn what_is_unlit_does_not_emit() {
     let unlit = Material { unlit: true, ..glowing(0.5, 7.0) };
@@ -114,7 +118,8 @@ fn what_is_unlit_does_not_emit() {
     }
 }
 
-/// A coat keeps back of the light from below what it reflects of other light (`KHR_materials_clearcoat`): 1 - 0.04 - 0.96 (1 - n.v)^5.
+/// A coat keeps back of the light from below what it reflects of other light
+/// (`KHR_materials_clearcoat`): 1 - 0.04 - 0.96 (1 - n.v)^5.
 #[test]
 fn a_clear_coat_dims_the_emission_below_it() {
     let coated = Material {
@@ -135,7 +140,8 @@ fn a_clear_coat_dims_the_emission_below_it() {
     }
 }
 
-/// A lamp close to the ground, all of it behind a lid: nothing of its light is left, whatever the draws of the sample.
+/// A lamp close to the ground, all of it behind a lid: nothing of its light is left, whatever the
+/// draws of the sample.
 #[test]
 fn all_light_of_a_near_lamp_is_missing_on_the_ground() {
     let lamp = quad(0.1, 1.0).with_materials([glowing(0.0, 1.0)]);
@@ -179,7 +185,8 @@ fn lights_beyond_all_range_make_no_nan() {
     }
 }
 
-/// Through the front of a translucent sphere its back is seen: a + (1 - a) a of the light of an opaque one.
+/// Through the front of a translucent sphere its back is seen: a + (1 - a) a of the light of an
+/// opaque one.
 #[test]
 fn a_translucent_sphere_emits_with_its_back_too() {
     let opacity = 0.5;
@@ -200,7 +207,8 @@ fn a_translucent_sphere_emits_with_its_back_too() {
     }
 }
 
-/// Under a large ceiling that emits, points of it are a poor sample: directions by the surface count as well.
+/// Under a large ceiling that emits, points of it are a poor sample: directions by the surface
+/// count as well.
 #[test]
 fn direct_light_of_a_near_ceiling_has_little_noise() {
     let floor = quad(0.0, 1e3).with_materials([matte(1.0)]);
@@ -211,7 +219,8 @@ fn direct_light_of_a_near_ceiling_has_little_noise() {
     assert!((mean.x - 1.0).abs() < 0.02 && error.x < 0.02, "{mean} {error}");
 }
 
-/// A lamp that lies in its ceiling, as far as numbers can say so: the ceiling does not hide it. Level, tilted, and far from the origin.
+/// A lamp that lies in its ceiling, as far as numbers can say so: the ceiling does not hide it.
+/// Level, tilted, and far from the origin.
 #[test]
 fn lights_in_a_surface_are_not_hidden_by_it() {
     let tilt = DMat3::from_axis_angle(DVec3::new(0.48, 0.6, 0.64), 0.7);

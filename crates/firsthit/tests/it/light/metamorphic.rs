@@ -86,7 +86,8 @@ fn a_light_twice_as_strong_makes_a_picture_twice_as_bright_bit_for_bit() {
         };
         let once = dark(&lit(vec![lamp(1.0, 1.0), sun(1.0)]));
         let twice = dark(&lit(vec![lamp(1.0, 2.0), sun(2.0)]));
-        // The numbers that a light draws are its own, so a light that is another draws others; but not if it is scaled.
+        // The numbers that a light draws are its own, so a light that is another draws others; but
+        // not if it is scaled.
         let doubled: Vec<f32> = once.iter().map(|x| 2.0 * x).collect();
         assert!(twice == doubled, "{name}");
         assert!(once.iter().any(|&x| x > 0.1), "{name}");
@@ -207,7 +208,8 @@ fn one_scattering_is_direct_light_on_average() {
     }
 }
 
-/// A white matte ball under a white sky is as bright as the sky is seen: each with the same numbers.
+/// A white matte ball under a white sky is as bright as the sky is seen: each with the same
+/// numbers.
 #[test]
 fn occlusion_is_a_white_scene_under_a_white_sky_on_average() {
     let white = |object: Object| object.colored(Color::ONE);
@@ -272,7 +274,8 @@ fn energy_is_neither_made_nor_lost_in_a_furnace() {
     }
 }
 
-/// Walls of white plastic, of colour 0.98, that shine a little: each way of light adds what the last left, and no more.
+/// Walls of white plastic, of colour 0.98, that shine a little: each way of light adds what the
+/// last left, and no more.
 #[test]
 fn light_in_a_closed_box_of_white_plastic_does_not_grow() {
     let model = |roughness| MetalRough { roughness, ..MetalRough::default() };
@@ -294,7 +297,8 @@ fn light_in_a_closed_box_of_white_plastic_does_not_grow() {
     }
 }
 
-/// Lights that take light away make pictures that nobody can explain: a ray of the camera's next sample is darker than black.
+/// Lights that take light away make pictures that nobody can explain: a ray of the camera's next
+/// sample is darker than black.
 #[test]
 fn a_picture_with_light_below_zero_is_refused_whoever_gave_it() {
     let picture = |scene: &Scene| {

@@ -1,4 +1,5 @@
-//! Light, judged by closed forms: what rays see, to the digit where nothing is drawn, and on average where something is.
+//! Light, judged by closed forms: what rays see, to the digit where nothing is drawn, and on
+//! average where something is.
 
 mod emitters;
 mod metamorphic;
@@ -14,7 +15,8 @@ fn matte(color: f64) -> Material {
     Material::colored(Color::splat(color))
 }
 
-/// A level square in the middle, at that height, whose sides are twice as long as `half`. It faces up.
+/// A level square in the middle, at that height, whose sides are twice as long as `half`. It faces
+/// up.
 fn quad(height: f64, half: f64) -> Object {
     let corners = [[-half, -half], [half, -half], [half, half], [-half, half]];
     let corners = corners.map(|[x, y]| [x, y, height]);

@@ -86,8 +86,8 @@ fn a_sphere_light_on_a_floor() {
 #[ignore = "needs ../shared/light"]
 fn a_square_that_shines() {
     let case = case("03_quad_light");
-    // The case is about matte surfaces. A dielectric of glTF, even of roughness 1, reflects 4 % at its surface, so the file's own floor is
-    // a little darker.
+    // The case is about matte surfaces. A dielectric of glTF, even of roughness 1, reflects 4 % at
+    // its surface, so the file's own floor is a little darker.
     let mut objects = case.scene().objects().to_vec();
     for object in &mut objects {
         let matte = object
@@ -164,7 +164,8 @@ fn a_sphere_light_gives_the_square_of_radius_over_distance() {
     }
 }
 
-/// On its axis a disc gives L r^2 / (r^2 + h^2). A square gives Lambert's polygon formula, by quadrature here.
+/// On its axis a disc gives L r^2 / (r^2 + h^2). A square gives Lambert's polygon formula, by
+/// quadrature here.
 #[test]
 fn discs_and_rectangles_give_what_formulas_say() {
     let floor =
@@ -199,8 +200,8 @@ fn discs_and_rectangles_give_what_formulas_say() {
     assert!((square / expected - 1.0).abs() < 2e-3, "{square} {expected}");
 }
 
-/// Beside an infinitely long wall of height H at distance a: (1 + a / sqrt(a^2 + H^2)) / 2. The wall is a hundred times as long as it is
-/// high: an end leaves 1e-4.
+/// Beside an infinitely long wall of height H at distance a: (1 + a / sqrt(a^2 + H^2)) / 2. The
+/// wall is a hundred times as long as it is high: an end leaves 1e-4.
 #[test]
 fn occlusion_beside_a_wall() {
     let corners =
@@ -214,15 +215,16 @@ fn occlusion_beside_a_wall() {
         let expected = 0.5 * (1.0 + a / (a * a + 4.0).sqrt());
         assert!((got.x - expected).abs() < 4e-3, "{got} {expected}");
     }
-    // Up to a reach D > a: 1 - (b - sin b cos b) / pi, cos b = a / D, while D is less than the way to the top.
+    // Up to a reach D > a: 1 - (b - sin b cos b) / pi, cos b = a / D, while D is less than the way
+    // to the top.
     let got = means(&scene, shader("ao", &[("reach", 1.5)]), &rays[1..2], 4096);
     let b = libm::acos(1.0 / 1.5);
     let expected = 1.0 - (b - libm::sin(b) * libm::cos(b)) / std::f64::consts::PI;
     assert!((got[0].x - expected).abs() < 4e-3, "{} {expected}", got[0]);
 }
 
-/// In a closed white sphere with a lamp in the middle every point gets I / R^2 from the lamp, and of all bounces together
-/// rho / (1 - rho) I / R^2.
+/// In a closed white sphere with a lamp in the middle every point gets I / R^2 from the lamp, and
+/// of all bounces together rho / (1 - rho) I / R^2.
 #[test]
 fn all_bounces_in_a_sphere_are_a_geometric_series() {
     let ball = Object::new(Sphere::new(DVec3::ZERO, 2.0).unwrap()).with_materials([matte(0.6)]);
@@ -254,7 +256,8 @@ fn metallic_roughness_as_gltf_has_it_where_that_gives_no_more_than_it_gets() {
     let mut case = case("06_gltf_brdf");
     let scene = case.scene();
     let got = means(&scene, shader("direct", &[]), &case.rays, 1);
-    // Seen from the side, the matte ground of what is no metal gets what the boundary leaves, and not more.
+    // Seen from the side, the matte ground of what is no metal gets what the boundary leaves, and
+    // not more.
     for k in [2, 5, 14] {
         assert!(case.rays[k].direction.z.abs() < 0.3);
         let share = got[k] / case.expected[k];

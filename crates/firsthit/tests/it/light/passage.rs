@@ -1,4 +1,5 @@
-//! Light that goes through things: glass, translucent surfaces, mirrors that show what lights nothing.
+//! Light that goes through things: glass, translucent surfaces, mirrors that show what lights
+//! nothing.
 
 use std::sync::Arc;
 
@@ -95,8 +96,9 @@ fn what_shines_is_seen_to_shine_by_every_shader_of_light() {
     }
 }
 
-/// A panel of alpha 0.25 that shines lights a floor a quarter as much, and hides a quarter of a brighter one behind it. By both ways to
-/// find it: a rough metal's own rays, and points that are drawn of it.
+/// A panel of alpha 0.25 that shines lights a floor a quarter as much, and hides a quarter of a
+/// brighter one behind it. By both ways to find it: a rough metal's own rays, and points that are
+/// drawn of it.
 #[test]
 fn translucent_lamps_shine_as_much_as_they_are_there() {
     let lamp = |alpha, mode| {
@@ -153,7 +155,8 @@ fn many_panes_end() {
     assert!(got > 0.5 && got <= 1.0 + 1e-12, "{got}");
 }
 
-/// A floor and a point light inside of coloured matter of index 1: on the way from the light to the floor, too, some is absorbed.
+/// A floor and a point light inside of coloured matter of index 1: on the way from the light to the
+/// floor, too, some is absorbed.
 #[test]
 fn light_is_absorbed_on_its_way_to_what_it_lights() {
     let absorption = Color::new(0.5, 0.2, 0.0);
@@ -176,8 +179,9 @@ fn light_is_absorbed_on_its_way_to_what_it_lights() {
     }
 }
 
-/// Refraction into a diamond leaves a sixth of the radiance, and the way out gives it back. A path that ended by what it brings inside
-/// would be noisy, where every path is worth as much as any other.
+/// Refraction into a diamond leaves a sixth of the radiance, and the way out gives it back. A path
+/// that ended by what it brings inside would be noisy, where every path is worth as much as any
+/// other.
 #[test]
 fn roulette_ends_no_path_in_clear_glass() {
     let glass = Glass { ior: 2.4, absorption: Color::ZERO };

@@ -92,7 +92,8 @@ fn spotted() -> Environment {
     }
 }
 
-/// An occlusion map takes its share of all that comes from the environment, whichever way it was found.
+/// An occlusion map takes its share of all that comes from the environment, whichever way it was
+/// found.
 #[test]
 fn occlusion_maps_hide_the_environment() {
     let texture = Texture::new(1, 1, vec![[128, 128, 128, 255]]).unwrap();
@@ -197,10 +198,12 @@ fn the_ground_shows_the_shadow_of_what_is_bright_in_a_map() {
     assert!((got - expected).abs() < 0.01, "{got} {expected}");
 }
 
-/// A lamp nearby, whose light varies over its own points, and a surface that shines as much: half of a disc is hidden by a wall.
+/// A lamp nearby, whose light varies over its own points, and a surface that shines as much: half
+/// of a disc is hidden by a wall.
 #[test]
 fn the_ground_shows_shadows_of_lamps_and_of_what_shines() {
-    // Upright, across the middle of the disc above: seen from the point under it, one half is behind it.
+    // Upright, across the middle of the disc above: seen from the point under it, one half is
+    // behind it.
     let corners =
         vec![[0.01, -50.0, 0.0], [0.01, 50.0, 0.0], [0.01, 50.0, 1.0], [0.01, -50.0, 1.0]];
     let wall = Mesh::new(Positions::compact(corners), vec![[0, 1, 2], [0, 2, 3]]).unwrap();
@@ -280,7 +283,8 @@ fn picture(shading: &Shading<'_>) -> [Vec<f64>; 2] {
     })
 }
 
-/// A single sample of the ground may be darkened by more than all; a picture has no colour below 0, and no alpha above 1.
+/// A single sample of the ground may be darkened by more than all; a picture has no colour below 0,
+/// and no alpha above 1.
 #[test]
 fn pictures_of_the_ground_have_no_colour_below_black() {
     let scene = disc_in(DirectionalLight {

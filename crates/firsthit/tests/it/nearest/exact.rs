@@ -8,7 +8,8 @@ use num_traits::{One, Signed, ToPrimitive, Zero};
 use crate::support::rational::{Exact, cross, dot, exact, minus, number};
 use crate::support::{Numbers, cases, mesh, rounds, scene};
 
-/// The nearest point of a triangle: the square of its distance, and the weights of the corners 1 and 2.
+/// The nearest point of a triangle: the square of its distance, and the weights of the corners 1
+/// and 2.
 fn judged(point: &Exact, [a, b, c]: [&Exact; 3]) -> (BigRational, [BigRational; 2]) {
     let zero = BigRational::zero;
     let one = BigRational::one;
@@ -39,7 +40,8 @@ fn judged(point: &Exact, [a, b, c]: [&Exact; 3]) -> (BigRational, [BigRational; 
     nearest
 }
 
-/// Triangles of all kinds: large, small, needles, slivers, flat ones, points; with few digits and with many.
+/// Triangles of all kinds: large, small, needles, slivers, flat ones, points; with few digits and
+/// with many.
 fn triangle(k: usize, numbers: &mut Numbers) -> [DVec3; 3] {
     let [mut a, mut b, mut c] = [0; 3].map(|_| numbers.point());
     match k % 8 {
@@ -57,7 +59,8 @@ fn triangle(k: usize, numbers: &mut Numbers) -> [DVec3; 3] {
     [scale * a, scale * b, scale * c]
 }
 
-/// A point near or far, above the inside, the edges and the corners, or hardly beside the regions' borders.
+/// A point near or far, above the inside, the edges and the corners, or hardly beside the regions'
+/// borders.
 fn point(k: usize, [a, b, c]: [DVec3; 3], numbers: &mut Numbers) -> DVec3 {
     let size = (b - a).length().max((c - a).length()).max(1e-70);
     let on = match k % 5 {
@@ -91,8 +94,9 @@ fn distances_are_off_by_a_few_units_in_the_last_place() {
         let of_mesh = of_one.objects()[0].mesh().unwrap().corners(0);
         let [a, b, c] = of_mesh.map(exact);
         let (squared, weights) = judged(&exact(from), [&a, &b, &c]);
-        // Twice the relative error, and twice the distance times what is lost by cancellation; of a triangle that is thinner
-        // than 2^-50, all of that. In exact arithmetic, as the root is irrational.
+        // Twice the relative error, and twice the distance times what is lost by cancellation; of a
+        // triangle that is thinner than 2^-50, all of that. In exact arithmetic, as the root is
+        // irrational.
         let distance = number(found.distance);
         let off = (&distance * &distance - &squared).abs();
         let distances = of_mesh.map(|p| p.distance(from));
@@ -113,7 +117,8 @@ fn distances_are_off_by_a_few_units_in_the_last_place() {
         let largest = largest.max(from.abs().max_element());
         let apart = (found.point.distance(from) - found.distance).abs();
         assert!(apart <= 16.0 * f64::EPSILON * largest, "{k} {of_mesh:?} {from}: {found:?}");
-        // The feature is the exact one: a weight that is zero, or not. (On the border of two regions both are.)
+        // The feature is the exact one: a weight that is zero, or not. (On the border of two
+        // regions both are.)
         let zeros = |v: f64, w: f64| [v == 0.0, w == 0.0, v + w == 1.0];
         let [v, w] = [0, 1].map(|k| weights[k].to_f64().unwrap());
         let (exactly, here) = (zeros(v, w), zeros(found.barycentric.x, found.barycentric.y));

@@ -1,4 +1,5 @@
-//! Nearest points: trees on every instruction set against brute force, bit for bit; brute force against rational arithmetic.
+//! Nearest points: trees on every instruction set against brute force, bit for bit; brute force
+//! against rational arithmetic.
 
 mod exact;
 mod signed;
@@ -31,8 +32,8 @@ fn bits(all: &ClosestPoints) -> Vec<Bits> {
     (0..all.distance.len()).map(element).collect()
 }
 
-/// Compares every instruction set with brute force, for one and for several nearest points, without and with a radius.
-/// Returns the nearest.
+/// Compares every instruction set with brute force, for one and for several nearest points, without
+/// and with a radius. Returns the nearest.
 pub(crate) fn checked(scene: &Scene, points: &[[f64; 3]]) -> ClosestPoints {
     let judge = |wanted| {
         let judged = closest_points_with(Method::BruteForce, scene, points, wanted, &()).unwrap();
@@ -63,7 +64,8 @@ pub(crate) fn checked(scene: &Scene, points: &[[f64; 3]]) -> ClosestPoints {
     nearest
 }
 
-/// Points all around, at corners, on edges, in triangles and a little beside, one after the other nearby, far away.
+/// Points all around, at corners, on edges, in triangles and a little beside, one after the other
+/// nearby, far away.
 fn around(corners: &[DVec3], scale: f64, count: usize, numbers: &mut Numbers) -> Vec<[f64; 3]> {
     let middle = corners.iter().sum::<DVec3>() / corners.len() as f64;
     let mut before = middle;
@@ -151,7 +153,8 @@ fn transforms() -> Vec<DAffine3> {
     ]
 }
 
-/// Instances under all kinds of transforms, one by one and together, some of them in the same place.
+/// Instances under all kinds of transforms, one by one and together, some of them in the same
+/// place.
 #[test]
 fn instances_are_measured_in_the_world() {
     let mut numbers = Numbers::new(11);

@@ -18,8 +18,8 @@ use crate::support::{Numbers, bumpy_sphere, cases, mesh, scene};
 const BY_FORCE: SignSettings =
     SignSettings { rule: FillRule::Nonzero, allow_open: false, method: Method::BruteForce };
 
-/// Whether a point is inside a mesh that is star-shaped around the origin, whose triangles look outwards: in the cone
-/// over the triangle that the way outwards meets, it is on the inner side.
+/// Whether a point is inside a mesh that is star-shaped around the origin, whose triangles look
+/// outwards: in the cone over the triangle that the way outwards meets, it is on the inner side.
 fn is_inside_star(mesh: &Mesh, point: &Exact) -> bool {
     let zero = BigRational::zero();
     (0..mesh.triangles().len()).any(|triangle| {

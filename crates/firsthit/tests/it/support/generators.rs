@@ -4,7 +4,8 @@ use firsthit::{DVec3, Ray};
 
 use crate::support::Numbers;
 
-/// Triangles of all kinds: small, slivers, duplicates, degenerate ones, with shared corners and edges.
+/// Triangles of all kinds: small, slivers, duplicates, degenerate ones, with shared corners and
+/// edges.
 pub(crate) fn soup(count: usize, numbers: &mut Numbers) -> (Vec<DVec3>, Vec<[u32; 3]>) {
     let mut points: Vec<DVec3> = (0..4).map(|_| numbers.point()).collect();
     let mut triangles = vec![[0, 1, 2], [0, 2, 3]];
@@ -39,8 +40,8 @@ pub(crate) fn placed(points: &[DVec3], scale: f64, offset: f64) -> Vec<DVec3> {
     points.iter().map(place).collect()
 }
 
-/// Random rays, at corners and edges, along the axes through corners, in the planes of triangles, from corners,
-/// with ends, and some that make no sense.
+/// Random rays, at corners and edges, along the axes through corners, in the planes of triangles,
+/// from corners, with ends, and some that make no sense.
 pub(crate) fn rays(points: &[DVec3], scale: f64, count: usize, numbers: &mut Numbers) -> Vec<Ray> {
     let middle = points.iter().sum::<DVec3>() / points.len() as f64;
     (0..count)
@@ -67,9 +68,9 @@ pub(crate) fn rays(points: &[DVec3], scale: f64, count: usize, numbers: &mut Num
         .collect()
 }
 
-/// Short rays in all directions, many from a small place at a time, as ambient occlusion asks for: from just off
-/// corners and edges, to corners nearby and just short of them, along the axes. In some places there is one without an
-/// end.
+/// Short rays in all directions, many from a small place at a time, as ambient occlusion asks for:
+/// from just off corners and edges, to corners nearby and just short of them, along the axes. In
+/// some places there is one without an end.
 pub(crate) fn short_rays(
     points: &[DVec3],
     scale: f64,

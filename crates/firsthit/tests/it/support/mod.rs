@@ -1,4 +1,5 @@
-//! What several tests share: reproducible numbers, closed meshes, the reference data, and what the judge says.
+//! What several tests share: reproducible numbers, closed meshes, the reference data, and what the
+//! judge says.
 
 pub(crate) mod generators;
 pub(crate) mod npz;
@@ -73,7 +74,8 @@ pub(crate) fn mesh(points: &[DVec3], triangles: Vec<[u32; 3]>) -> Arc<Mesh> {
     Arc::new(Mesh::new(Positions::compact(points), triangles).unwrap())
 }
 
-/// A closed mesh around the origin, star-shaped: a sphere of `rings` times `2 * rings` patches with bumps.
+/// A closed mesh around the origin, star-shaped: a sphere of `rings` times `2 * rings` patches with
+/// bumps.
 pub(crate) fn bumpy_sphere(rings: u32, seed: u64) -> (Vec<DVec3>, Vec<[u32; 3]>) {
     let mut numbers = Numbers::new(seed);
     let around = 2 * rings;
@@ -104,8 +106,9 @@ pub(crate) fn bumpy_sphere(rings: u32, seed: u64) -> (Vec<DVec3>, Vec<[u32; 3]>)
     (points, triangles)
 }
 
-/// Random tests take one of so many cases, unless `FIRSTHIT_TEST` is `full` (`make test-full`). It has no factor in common with the
-/// numbers of kinds that rounds have by turns: where there are so many rounds for each kind, all kinds remain. Others take all rounds.
+/// Random tests take one of so many cases, unless `FIRSTHIT_TEST` is `full` (`make test-full`). It
+/// has no factor in common with the numbers of kinds that rounds have by turns: where there are so
+/// many rounds for each kind, all kinds remain. Others take all rounds.
 const FEWER: u8 = 7;
 
 /// Whether random tests take all cases.
@@ -121,8 +124,8 @@ pub(crate) fn is_full() -> bool {
     }
 }
 
-/// A seventh of `all`, rounded up, or `all` for `make test-full`: how many cases a test takes, and how many answers of a kind they must
-/// give.
+/// A seventh of `all`, rounded up, or `all` for `make test-full`: how many cases a test takes, and
+/// how many answers of a kind they must give.
 pub(crate) fn cases<N: From<u8> + Add<Output = N> + Div<Output = N>>(all: N) -> N {
     let share = if is_full() { 1 } else { FEWER };
     (all + N::from(share - 1)) / N::from(share)
@@ -155,7 +158,8 @@ pub(crate) fn soak_rays() -> usize {
     rays
 }
 
-/// The faces of a box whose corner `k` has the upper x, y and z where the bits 0, 1 and 2 of `k` are set.
+/// The faces of a box whose corner `k` has the upper x, y and z where the bits 0, 1 and 2 of `k`
+/// are set.
 pub(crate) const CUBE: [[u32; 3]; 12] = [
     [0, 3, 1],
     [0, 2, 3],
@@ -207,7 +211,8 @@ pub(crate) fn rays(points: &[DVec3], count: usize, seed: u64) -> Vec<Ray> {
         .collect()
 }
 
-/// Where a point is in the picture: from -1 at the left and the lower edge to 1 at the right and the upper one.
+/// Where a point is in the picture: from -1 at the left and the lower edge to 1 at the right and
+/// the upper one.
 pub(crate) fn seen(camera: &Camera, point: DVec3) -> DVec2 {
     let view = camera.view();
     let v = point - camera.position();

@@ -1,5 +1,5 @@
-//! NPY and NPZ files, read after the specification (`numpy.lib.format`, APPNOTE of ZIP): the library's own reader is
-//! another.
+//! NPY and NPZ files, read after the specification (`numpy.lib.format`, APPNOTE of ZIP): the
+//! library's own reader is another.
 
 use std::collections::BTreeMap;
 use std::io::{Cursor, Read};

@@ -37,8 +37,8 @@ pub(crate) fn nearest(t: &BigRational) -> f64 {
     around.into_iter().min_by(|x, y| off(x).cmp(&off(y))).unwrap()
 }
 
-/// The point of a triangle that a ray leaves. A weight is zero where it moves the point by no more than the point's rounding, 2^-49 of the
-/// largest coordinate.
+/// The point of a triangle that a ray leaves. A weight is zero where it moves the point by no more
+/// than the point's rounding, 2^-49 of the largest coordinate.
 pub(crate) fn point_left(corners: [DVec3; 3], barycentric: DVec2) -> Exact {
     let largest_of = |vectors: [DVec3; 3]| {
         let largest = vectors.map(|v| v.abs().max_element());

@@ -1,9 +1,12 @@
-//! Triangles whose bounding boxes hold more samples: block by block of 4 x 4 pixels, a pixel in each lane.
+//! Triangles whose bounding boxes hold more samples: block by block of 4 x 4 pixels, a pixel in
+//! each lane.
 //!
-//! 1. Take the blocks in which the bounding box has samples, and that have a pixel which is not nearer.
-//! 2. Leave out those that are beyond one of the edges, a block in each lane: a linear side is largest and smallest at
-//!    corners.
-//! 3. Test the sixteen pixels of each block that is left, and put the triangle in where it is nearer.
+//! 1. Take the blocks in which the bounding box has samples, and that have a pixel which is not
+//!    nearer.
+//! 2. Leave out those that are beyond one of the edges, a block in each lane: a linear side is
+//!    largest and smallest at corners.
+//! 3. Test the sixteen pixels of each block that is left, and put the triangle in where it is
+//!    nearer.
 
 use super::{LeafRaster, RasterScratch};
 use crate::accel::tile::edge_test::{EdgeTest, beside};
@@ -36,8 +39,8 @@ impl<A: ExactTest> LeafRaster<'_, A> {
         if blocks == 0 {
             return;
         }
-        // The sides at the blocks' first pixels, a lane for each block, and what is to be added for the others, a lane
-        // for each pixel.
+        // The sides at the blocks' first pixels, a lane for each block, and what is to be added for
+        // the others, a lane for each pixel.
         let edges = &scratch.edges;
         let (x, y) = (l.load(&ACROSS.0), l.load(&DOWN.0));
         let four = l.splat(BLOCK as f32);

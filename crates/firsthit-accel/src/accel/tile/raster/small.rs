@@ -86,7 +86,8 @@ impl<A: ExactTest> LeafRaster<'_, A> {
         [l.add(column, l.load(&x.0)), l.add(row, l.load(&y.0))]
     }
 
-    /// The block and the lane of a sample of the triangle in a lane, so far across and down from its first.
+    /// The block and the lane of a sample of the triangle in a lane, so far across and down from
+    /// its first.
     #[inline(always)]
     #[expect(
         clippy::cast_possible_truncation,

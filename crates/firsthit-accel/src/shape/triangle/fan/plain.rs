@@ -1,8 +1,9 @@
 //! Finds the triangle that stops a ray at its start, by plain float64 where that is sure of every
 //! sign.
 //!
-//! A sign is that of a product `(p x q).r`. Each of its six products of three numbers is rounded at most eight times, and so are its factors:
-//! it is off by 24 epsilons of the largest such product. 64 are taken.
+//! A sign is that of a product `(p x q).r`. Each of its six products of three numbers is rounded at
+//! most eight times, and so are its factors: it is off by 24 epsilons of the largest such product.
+//! 64 are taken.
 
 use super::{DeparturePoint, Fan};
 use crate::geometry::DVec3;
@@ -46,7 +47,8 @@ impl Measured {
         (self.largest < 1e90).then_some(self)
     }
 
-    /// The cross product; its size is that of what it is computed from. `None` for vectors of which float64 may not hold all products.
+    /// The cross product; its size is that of what it is computed from. `None` for vectors of which
+    /// float64 may not hold all products.
     #[inline(always)]
     fn cross(&self, other: &Self) -> Option<Self> {
         let is_moderate = self.largest < 1e90 && other.largest < 1e90;

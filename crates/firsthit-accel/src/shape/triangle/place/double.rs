@@ -1,16 +1,16 @@
 //! A crossing in twice the digits of float64.
 //!
 //! 1. Compute `n = E x F`, `n.R` and `n.d` in twice the digits (`geometry/double.rs`).
-//! 2. Give up where one of the dot products is so small beside the vectors that too few digits are left (`SURE`), or
-//!    where a product would leave the range of float64.
+//! 2. Give up where one of the dot products is so small beside the vectors that too few digits are
+//!    left (`SURE`), or where a product would leave the range of float64.
 //! 3. Divide, in twice the digits: `t = n.R / n.d`.
 //! 4. Take the weights from `t d - R`, rounded to float64 (`weights.rs`).
 //!
 //! # Error bounds
 //!
-//! A dot product is off by less than 2^-98 of the product of the lengths. Where it is more than 2^-41 of that, it is
-//! off by less than 2^-57 of itself, and `t` by less than an eighth of a unit in float64's last place. [`Sight`] has the bound of
-//! one ray, which is mostly far smaller.
+//! A dot product is off by less than 2^-98 of the product of the lengths. Where it is more than
+//! 2^-41 of that, it is off by less than 2^-57 of itself, and `t` by less than an eighth of a unit
+//! in float64's last place. [`Sight`] has the bound of one ray, which is mostly far smaller.
 
 use super::weights::Edges;
 use super::{Place, Vector, high, plain_dot, power, splat, splat_double};
@@ -103,7 +103,8 @@ pub(crate) struct Sight {
 }
 
 impl Sight {
-    /// The float64 nearest to the exact `t` at no height, if that is sure. Of two it is the even one.
+    /// The float64 nearest to the exact `t` at no height, if that is sure. Of two it is the even
+    /// one.
     #[inline(always)]
     pub(super) fn nearest(&self) -> Option<f64> {
         let t = self.t.high;
@@ -192,11 +193,12 @@ impl Start<f64> {
     }
 }
 
-/// The error of a dot product at most, as a share of the product of the lengths; see the error bounds above.
+/// The error of a dot product at most, as a share of the product of the lengths; see the error
+/// bounds above.
 const OFF: f64 = power(-98);
 
-/// The square of what a dot product must be at least, as a share of the product of the lengths; see the error bounds
-/// above.
+/// The square of what a dot product must be at least, as a share of the product of the lengths; see
+/// the error bounds above.
 const SURE: f64 = power(-82);
 
 /// The lanes in which products of vectors with this square stay in the range of float64.

@@ -1,35 +1,38 @@
 //! A crossing in plain float64, with one correction.
 //!
-//! 1. Guess `t = n.R / n.d`. That loses digits where the ray grazes the plane, and where the triangle is far from the
-//!    origin compared with its size.
-//! 2. Compute `r = t d - R`, which leads from corner 0 to the point at `t`. The point is in the triangle, so `r` is no
-//!    longer than the triangle's longer edge, however far away the origin is: its error is small.
+//! 1. Guess `t = n.R / n.d`. That loses digits where the ray grazes the plane, and where the
+//!    triangle is far from the origin compared with its size.
+//! 2. Compute `r = t d - R`, which leads from corner 0 to the point at `t`. The point is in the
+//!    triangle, so `r` is no longer than the triangle's longer edge, however far away the origin
+//!    is: its error is small.
 //! 3. In the plane `n.r` would be zero. Subtract `n.r / n.d` from `t`, and correct `r` likewise.
 //! 4. Take the weights from `r` (`weights.rs`).
 //!
-//! This is one step of iterative refinement: Wilkinson, "Rounding Errors in Algebraic Processes", Her Majesty's
-//! Stationery Office 1963. It departs in that `r` is computed with the digits of everything else: it needs no more,
-//! since it is short.
+//! This is one step of iterative refinement: Wilkinson, "Rounding Errors in Algebraic Processes",
+//! Her Majesty's Stationery Office 1963. It departs in that `r` is computed with the digits of
+//! everything else: it needs no more, since it is short.
 //!
 //! # Error bounds
 //!
-//! To the first order in u = 2^-53. `h` is the longer of |E| and |F|. `R` is exact, as a sum of two numbers, and `r` is
-//! off by 2 u |r| for the `t` that was computed. So `n.r` is off by at most the sum of these:
+//! To the first order in u = 2^-53. `h` is the longer of |E| and |F|. `R` is exact, as a sum of two
+//! numbers, and `r` is off by 2 u |r| for the `t` that was computed. So `n.r` is off by at most the
+//! sum of these:
 //!
 //! - 2 u |n| h: `r`;
 //! - 3 u |n| h: the rounding of the dot product;
 //! - u |n| h: the last rounding of `n`;
 //! - u |E| |F| h: the rounding of the products in `n`;
-//! - u |n| h: the rounding of `E` and `F`. As `r = v E + w F`, an error `e` of `E` comes to `e.(F x r) = -v e.n`.
+//! - u |n| h: the rounding of `E` and `F`. As `r = v E + w F`, an error `e` of `E` comes to `e.(F x
+//!   r) = -v e.n`.
 //!
 //! What follows from that:
 //!
-//! - The sum is at most u h (7 |n| + h^2). Where it is less than u |n.R|, `t` is off by less than u |t| before its last
-//!   rounding.
-//! - Both sides are compared as squares: that of the sum is below u^2 h^2 (56 |n|^2 + 8 h^4). `Plain::error` takes an
-//!   eighth more, 63 and 9, for all that is not of the first order.
-//! - The divisor `n.d` is off by a share of u |R| / h at most, and the correction is a share of 2 u |R| / h of `t`.
-//!   With |R| up to 2^23 h (`is_near`) their product is 2^-6 u.
+//! - The sum is at most u h (7 |n| + h^2). Where it is less than u |n.R|, `t` is off by less than
+//!   u |t| before its last rounding.
+//! - Both sides are compared as squares: that of the sum is below u^2 h^2 (56 |n|^2 + 8 h^4).
+//!   `Plain::error` takes an eighth more, 63 and 9, for all that is not of the first order.
+//! - The divisor `n.d` is off by a share of u |R| / h at most, and the correction is a share of 2
+//!   u |R| / h of `t`. With |R| up to 2^23 h (`is_near`) their product is 2^-6 u.
 
 use super::weights::Edges;
 use super::{Place, Vector, high, minus, plain_cross, plain_dot, power, splat, splat_double};

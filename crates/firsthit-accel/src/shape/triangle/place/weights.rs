@@ -1,8 +1,10 @@
 //! The weights of a point in a triangle, from its place relative to corner 0.
 //!
-//! 1. The weight of `F` is the share of the triangle's area that the point and `E` span, measured along the normal.
-//! 2. The weight of `E` is what remains of the point along `E`. It is not an area too: in a thin triangle areas have
-//!    few digits. So the point of these weights is off by a rounding of the longer edge, however thin the triangle is.
+//! 1. The weight of `F` is the share of the triangle's area that the point and `E` span, measured
+//!    along the normal.
+//! 2. The weight of `E` is what remains of the point along `E`. It is not an area too: in a thin
+//!    triangle areas have few digits. So the point of these weights is off by a rounding of the
+//!    longer edge, however thin the triangle is.
 //! 3. Where rounding has put the point outside, take the nearest point of the nearest edge.
 
 use super::{Vector, minus, plain_cross, plain_dot, splat};
@@ -37,8 +39,8 @@ impl<N: Copy> Edges<N> {
         (edges, squares)
     }
 
-    /// The weights of the point that `r` leads to from corner 0: none below zero, together at most one but for a
-    /// rounding.
+    /// The weights of the point that `r` leads to from corner 0: none below zero, together at most
+    /// one but for a rounding.
     ///
     /// `F`'s weight is a ratio of areas. `E`'s is the rest of `r` along `E`, since areas of thin
     /// triangles have few digits: then the point of these weights is off by a rounding of the
@@ -77,8 +79,8 @@ impl<N: Copy> Edges<N> {
         [a.mul(plain_dot(a, &rest, e), self.of_first), w]
     }
 
-    /// The weights of the point nearest to where `r` leads on the edge that starts in corner 0, if it `is_first`, or
-    /// else on that between the corners 1 and 2.
+    /// The weights of the point nearest to where `r` leads on the edge that starts in corner 0, if
+    /// it `is_first`, or else on that between the corners 1 and 2.
     #[inline(always)]
     pub(super) fn on_an_edge<A: Arithmetic<Number = N>>(
         &self,

@@ -1,4 +1,5 @@
-//! The header of a NumPy array: a dictionary, as a Python literal (`numpy.lib.format`, versions 1.0 to 3.0).
+//! The header of a NumPy array: a dictionary, as a Python literal (`numpy.lib.format`, versions 1.0
+//! to 3.0).
 
 use super::element::Element;
 use super::literal::{Value, dictionary};
@@ -16,8 +17,8 @@ const MOST_ELEMENTS: u64 = 1 << 48;
 /// The most axes, as in NumPy 2.
 const MOST_AXES: usize = 64;
 
-/// The header of a NumPy array (`.npy`): the type of its elements, its shape and its order. [`NpyHeader::values`] reads
-/// the data behind it.
+/// The header of a NumPy array (`.npy`): the type of its elements, its shape and its order.
+/// [`NpyHeader::values`] reads the data behind it.
 ///
 /// ```
 /// use firsthit::image::{NpyHeader, NpyValues};
@@ -43,7 +44,8 @@ impl NpyHeader {
     ///
     /// # Errors
     ///
-    /// In words: for bytes that are no NumPy array, for records, and for headers that claim more than any file has.
+    /// In words: for bytes that are no NumPy array, for records, and for headers that claim more
+    /// than any file has.
     pub fn parse(bytes: &[u8]) -> Result<(Self, &[u8]), String> {
         let (text, data) = split(bytes)?;
         let header = dictionary(text).and_then(Self::of);
@@ -60,21 +62,21 @@ impl NpyHeader {
         &self.shape
     }
 
-    /// The name of the elements' type, such as `float64`; `None` for elements that are no numbers, and for numbers that
-    /// are not read.
+    /// The name of the elements' type, such as `float64`; `None` for elements that are no numbers,
+    /// and for numbers that are not read.
     pub fn dtype(&self) -> Option<&'static str> {
         self.element.dtype()
     }
 
-    /// The length of the text that each element is, in characters, and whether their bytes are big-endian; `None` for
-    /// other elements.
+    /// The length of the text that each element is, in characters, and whether their bytes are
+    /// big-endian; `None` for other elements.
     pub(super) fn text(&self) -> Option<(u64, bool)> {
         let Element { is_big_endian, kind, size } = self.element;
         (kind == 'U').then_some((size, is_big_endian))
     }
 
-    /// The header that a dictionary describes. Other entries than its three are ignored; of two with one key the last
-    /// counts.
+    /// The header that a dictionary describes. Other entries than its three are ignored; of two
+    /// with one key the last counts.
     fn of(entries: Vec<(String, Value)>) -> Result<Self, String> {
         let (mut descr, mut order, mut shape) = (None, None, None);
         for (key, value) in entries {

@@ -21,7 +21,8 @@ impl NpyHeader {
     ///
     /// # Errors
     ///
-    /// In words: for less data than the shape claims, for a bool that is neither 0 nor 1, and where no memory is free.
+    /// In words: for less data than the shape claims, for a bool that is neither 0 nor 1, and where
+    /// no memory is free.
     pub fn values(&self, data: &[u8]) -> Result<Option<NpyValues>, String> {
         let Some(dtype) = self.dtype() else {
             return Ok(None);

@@ -1,4 +1,5 @@
-//! The points of LAS 1.0 to 1.4 and of LAZ: <https://www.asprs.org/wp-content/uploads/2019/07/LAS_1_4_r15.pdf>.
+//! The points of LAS 1.0 to 1.4 and of LAZ:
+//! <https://www.asprs.org/wp-content/uploads/2019/07/LAS_1_4_r15.pdf>.
 
 use super::super::super::metadata::KEY;
 use super::super::output::{collected, elements, metadata_of};

@@ -82,8 +82,8 @@ fn check_layers(packed: &[u8], row: usize, layers: usize, count: usize) -> Resul
     Ok(())
 }
 
-/// A reader from front to back. Without seeking, the table of chunks is not looked for, which is not needed, and for which a file may
-/// claim any memory.
+/// A reader from front to back. Without seeking, the table of chunks is not looked for, which is
+/// not needed, and for which a file may claim any memory.
 struct InOrder<'a>(Cursor<&'a [u8]>);
 
 impl Read for InOrder<'_> {

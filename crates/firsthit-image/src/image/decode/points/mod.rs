@@ -1,5 +1,5 @@
-//! Points, a file per format. What a binary file has are rows of numbers without padding: all formats become little-endian ones, and the
-//! columns of those are put together here.
+//! Points, a file per format. What a binary file has are rows of numbers without padding: all
+//! formats become little-endian ones, and the columns of those are put together here.
 
 mod las;
 mod laz;
@@ -156,8 +156,8 @@ impl Header {
         self.text.get_or_insert_default().push_str(piece.unwrap_or_default());
     }
 
-    /// The columns as arrays: those that the metadata know as one channel are put together, then those that go together by
-    /// convention, then the others.
+    /// The columns as arrays: those that the metadata know as one channel are put together, then
+    /// those that go together by convention, then the others.
     fn read(self, data: &[u8], order: Order, most: u64) -> Result<Output, String> {
         let Self { count, columns, text } = self;
         let count = count.ok_or("does not say how many points it has")?;

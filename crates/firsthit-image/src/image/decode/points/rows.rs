@@ -116,7 +116,8 @@ fn from_columns(
 }
 
 impl Type {
-    /// A number in text as the bytes of this type, and zeros behind; `None` for one that it does not hold.
+    /// A number in text as the bytes of this type, and zeros behind; `None` for one that it does
+    /// not hold.
     fn cell(self, word: &str) -> Option<[u8; 8]> {
         let mut cell = [0; 8];
         match self {

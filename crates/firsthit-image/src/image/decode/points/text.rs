@@ -1,4 +1,5 @@
-//! Points as text, a line each: numbers with commas, semicolons, tabs or blanks between, with or without a line of names before.
+//! Points as text, a line each: numbers with commas, semicolons, tabs or blanks between, with or
+//! without a line of names before.
 
 use crate::error::escape_controls;
 use crate::image::{Array, ArrayValues, Output};

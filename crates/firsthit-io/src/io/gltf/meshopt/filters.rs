@@ -76,8 +76,8 @@ fn whole(value: f64) -> i32 {
     value.round() as i32
 }
 
-/// A direction from its place on an octahedron (Meyer et al., "On Floating-Point Normal Vectors", 2010); the
-/// third number is what stands for one.
+/// A direction from its place on an octahedron (Meyer et al., "On Floating-Point Normal Vectors",
+/// 2010); the third number is what stands for one.
 fn octahedral([x, y, one, fourth]: [i32; 4], largest: f64) -> [i32; 4] {
     let one = f64::from(one);
     let (x, y) = (f64::from(x) / one, f64::from(y) / one);
@@ -88,8 +88,8 @@ fn octahedral([x, y, one, fourth]: [i32; 4], largest: f64) -> [i32; 4] {
     [whole(x * scale), whole(y * scale), whole(z * scale), fourth]
 }
 
-/// A quaternion from its three smaller components; the fourth number is what stands for one, with the place
-/// of the largest component in its lowest two bits.
+/// A quaternion from its three smaller components; the fourth number is what stands for one, with
+/// the place of the largest component in its lowest two bits.
 fn quaternion([x, y, z, fourth]: [i32; 4]) -> [i32; 4] {
     let scale = std::f64::consts::FRAC_1_SQRT_2 / f64::from(fourth | 3);
     let small = [x, y, z].map(|value| scale * f64::from(value));

@@ -1,6 +1,6 @@
-//! `EXT_meshopt_compression` and `KHR_meshopt_compression`: packed buffer views, after the bitstreams that
-//! the extensions' texts specify. A decoder reads the whole stream or reports that it ends early; nothing in
-//! a stream sizes an allocation.
+//! `EXT_meshopt_compression` and `KHR_meshopt_compression`: packed buffer views, after the
+//! bitstreams that the extensions' texts specify. A decoder reads the whole stream or reports that
+//! it ends early; nothing in a stream sizes an allocation.
 
 mod attributes;
 mod filters;

@@ -14,10 +14,12 @@ use crate::geometry::{
 use crate::scene::DirectionalLight;
 use perez::Sky;
 
-/// The sky of a day by Preetham, Shirley and Smits ("A Practical Analytic Model for Daylight", SIGGRAPH 1999), over ground of one colour.
+/// The sky of a day by Preetham, Shirley and Smits ("A Practical Analytic Model for Daylight",
+/// SIGGRAPH 1999), over ground of one colour.
 ///
-/// It is exposed so that a white, level surface under all of it takes a luminance of 1: the sky's light and the
-/// [sun's](Self::sun_light), which is a light of its own. The ground sends back what it takes of both.
+/// It is exposed so that a white, level surface under all of it takes a luminance of 1: the sky's
+/// light and the [sun's](Self::sun_light), which is a light of its own. The ground sends back what
+/// it takes of both.
 ///
 /// ```
 /// use firsthit::scene::{Daylight, Environment, EnvironmentKind};
@@ -109,7 +111,8 @@ impl Daylight {
     ///
     /// # Errors
     ///
-    /// [`Error::Argument`](crate::error::Error::Argument) for a sun below the horizon, and for other numbers out of range.
+    /// [`Error::Argument`](crate::error::Error::Argument) for a sun below the horizon, and for
+    /// other numbers out of range.
     pub fn with_sun_towards(
         up: DVec3,
         towards: DVec3,
@@ -154,7 +157,8 @@ impl Daylight {
         -unit(self.made.sun.direction)
     }
 
-    /// The sun, 0.53 degrees wide, as bright as the sky says. It is not part of the sky's own radiance.
+    /// The sun, 0.53 degrees wide, as bright as the sky says. It is not part of the sky's own
+    /// radiance.
     pub fn sun_light(&self) -> DirectionalLight {
         self.made.sun
     }
@@ -212,7 +216,8 @@ impl Made {
     }
 }
 
-/// The middles of a grid's cells, from straight up to straight down, and their solid angles. The horizon is between two rows.
+/// The middles of a grid's cells, from straight up to straight down, and their solid angles. The
+/// horizon is between two rows.
 fn cells() -> impl Iterator<Item = (DVec3, f64)> {
     use std::f64::consts::{PI, TAU};
     let (columns, rows) = (COLUMNS as f64, ROWS as f64);

@@ -1,5 +1,5 @@
-//! The sky's luminance and its colour, by the formula of Perez, Seals and Michalsky (1993) with the numbers of Preetham, Shirley and Smits
-//! (1999), appendix A.2.
+//! The sky's luminance and its colour, by the formula of Perez, Seals and Michalsky (1993) with the
+//! numbers of Preetham, Shirley and Smits (1999), appendix A.2.
 
 use std::f64::consts::PI;
 
@@ -14,7 +14,8 @@ struct Perez {
     scale: f64,
 }
 
-/// The sky in its own frame, +y up: its luminance, in thousands of candelas for a square metre, and its chromaticity x and y.
+/// The sky in its own frame, +y up: its luminance, in thousands of candelas for a square metre, and
+/// its chromaticity x and y.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Sky {
     towards_sun: DVec3,
@@ -41,7 +42,8 @@ const Y: [[f64; 2]; 5] = [
     [-0.0109, 0.0529],
 ];
 
-/// The zenith's chromaticity: rows by falling powers of the turbidity, columns by those of the sun's angle from the zenith.
+/// The zenith's chromaticity: rows by falling powers of the turbidity, columns by those of the
+/// sun's angle from the zenith.
 const ZENITH_X: [[f64; 4]; 3] = [
     [0.001_66, -0.003_75, 0.002_09, 0.0],
     [-0.029_03, 0.063_77, -0.032_02, 0.003_94],
@@ -112,7 +114,8 @@ fn zenith_chromaticity(rows: [[f64; 4]; 3], turbidity: f64, angle: f64) -> f64 {
     (a * turbidity + b) * turbidity + c
 }
 
-/// XYZ as linear Rec. 709 with the white point D65 (ITU-R BT.709-6). What is outside of its colours is cut off at 0.
+/// XYZ as linear Rec. 709 with the white point D65 (ITU-R BT.709-6). What is outside of its colours
+/// is cut off at 0.
 pub(super) fn linear(xyz: DVec3) -> Color {
     let rows = [
         DVec3::new(3.240_969_941_904_521, -1.537_383_177_570_093, -0.498_610_760_293_003),
@@ -126,8 +129,9 @@ pub(super) fn linear(xyz: DVec3) -> Color {
 mod tests {
     use super::*;
 
-    /// Turbidity, the sun's elevation, a direction's elevation and its azimuth from the sun; and Y, x, y there, by a program in another
-    /// language that was written from the paper, with angles as they are printed there.
+    /// Turbidity, the sun's elevation, a direction's elevation and its azimuth from the sun; and Y,
+    /// x, y there, by a program in another language that was written from the paper, with angles as
+    /// they are printed there.
     const CASES: &[([f64; 4], [f64; 3])] = &[
         ([3.0, 40.0, 90.0, 0.0], [6.525_041_112_282, 0.244_411_891_105, 0.250_520_792_709]),
         ([3.0, 40.0, 5.0, 0.0], [17.246_164_420_399, 0.330_066_564_112, 0.332_419_993_922]),

@@ -1,7 +1,8 @@
 //! The sun's brightness and colour through the air.
 //!
-//! The sun shines as a black body of 5,778 K does. What air takes away of it by scattering, at molecules (Rayleigh) and at haze
-//! (Ångström), is as in Preetham, Shirley and Smits (1999), appendix A.1. What ozone, water and oxygen take away, a few hundredths, is left out.
+//! The sun shines as a black body of 5,778 K does. What air takes away of it by scattering, at
+//! molecules (Rayleigh) and at haze (Ångström), is as in Preetham, Shirley and Smits (1999),
+//! appendix A.1. What ozone, water and oxygen take away, a few hundredths, is left out.
 
 use super::perez::linear;
 use crate::geometry::{Color, DVec3};
@@ -33,8 +34,9 @@ fn air_mass(elevation_degrees: f64) -> f64 {
     1.0 / (sine + 0.15 * libm::pow(3.885 + elevation_degrees, -1.253))
 }
 
-/// The share of light of a wavelength that is not scattered away. (The paper prints the mass of air in the exponent of the wavelength;
-/// its source, Iqbal's "An Introduction to Solar Radiation", 1983, has it as here.)
+/// The share of light of a wavelength that is not scattered away. (The paper prints the mass of air
+/// in the exponent of the wavelength; its source, Iqbal's "An Introduction to Solar Radiation",
+/// 1983, has it as here.)
 fn transmitted(micrometres: f64, mass: f64, turbidity: f64) -> f64 {
     let molecules = 0.008_735 * libm::pow(micrometres, -4.08);
     let haze = (0.046_08 * turbidity - 0.045_86) * libm::pow(micrometres, -1.3);
@@ -48,8 +50,9 @@ fn black_body(micrometres: f64) -> f64 {
     libm::pow(micrometres, -5.0) / (libm::exp(exponent) - 1.0)
 }
 
-/// The colour matching functions of the CIE's observer of 1931, by the sums of lobes of Wyman, Sloan and Shirley ("Simple Analytic
-/// Approximations to the CIE XYZ Color Matching Functions", Journal of Computer Graphics Techniques 2(2), 2013).
+/// The colour matching functions of the CIE's observer of 1931, by the sums of lobes of Wyman,
+/// Sloan and Shirley ("Simple Analytic Approximations to the CIE XYZ Color Matching Functions",
+/// Journal of Computer Graphics Techniques 2(2), 2013).
 fn matching(nanometres: f64) -> DVec3 {
     let lobe = |height: f64, middle: f64, left: f64, right: f64| {
         let steepness = if nanometres < middle { left } else { right };

@@ -1,5 +1,5 @@
-//! The directional albedo of lobes: the share of white light from everywhere that they reflect into one direction, in tables by roughness
-//! and cosine.
+//! The directional albedo of lobes: the share of white light from everywhere that they reflect into
+//! one direction, in tables by roughness and cosine.
 
 use std::sync::OnceLock;
 
@@ -17,7 +17,8 @@ const LEAST_COSINE: f64 = 1e-6;
 
 type Row<const N: usize> = [[f64; N]; COSINES];
 
-/// A table of `N` numbers for each roughness and cosine. A row is made when its roughness is first asked for.
+/// A table of `N` numbers for each roughness and cosine. A row is made when its roughness is first
+/// asked for.
 pub(super) struct Albedos<const N: usize> {
     rows: [OnceLock<Row<N>>; ROUGHNESSES],
     /// The roughness of the first row. That of the last is 1.

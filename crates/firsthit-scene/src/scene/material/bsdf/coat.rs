@@ -6,7 +6,8 @@ use super::microfacet::{self, Microfacets};
 use crate::geometry::{DVec2, DVec3};
 use crate::sampling::TangentFrame;
 
-/// A coat, in the space of its own normal, which has nothing to do with that of the surface below it.
+/// A coat, in the space of its own normal, which has nothing to do with that of the surface below
+/// it.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Coat {
     pub(super) facets: Microfacets,

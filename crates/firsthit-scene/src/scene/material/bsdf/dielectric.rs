@@ -34,7 +34,8 @@ impl Dielectric {
         self.split(fresnel::schlick(self.f0, cosine))
     }
 
-    /// Exactly, as on solids, whose inner side reflects as well. `ior` is the index of the other side.
+    /// Exactly, as on solids, whose inner side reflects as well. `ior` is the index of the other
+    /// side.
     pub(super) fn exact(&self, cosine: f64, ior: f64) -> Split {
         let reflectance = fresnel::dielectric(cosine, ior);
         self.split((reflectance * self.tint).min(Color::ONE))

@@ -3,7 +3,8 @@
 use crate::geometry::{DVec3, unit};
 use crate::scene::terminator_factor;
 
-/// A point of a surface that is seen. All directions are in the world, of length one; normals are on the side that is seen.
+/// A point of a surface that is seen. All directions are in the world, of length one; normals are
+/// on the side that is seen.
 #[derive(Debug, Clone, Copy)]
 pub(in crate::scene::material) struct Frame {
     /// The shading normal.
@@ -21,8 +22,9 @@ impl Frame {
         share(self.normal, self.geometric, towards)
     }
 
-    /// Bends the shading normal so that the mirror direction is above the face (Keller and others, "The Iray Light Transport Simulation and
-    /// Rendering System", 2017). Smooth normals and normal maps need it where the surface is seen from the side. The normal of the face stays.
+    /// Bends the shading normal so that the mirror direction is above the face (Keller and others,
+    /// "The Iray Light Transport Simulation and Rendering System", 2017). Smooth normals and normal
+    /// maps need it where the surface is seen from the side. The normal of the face stays.
     pub(in crate::scene::material) fn bent(self) -> Self {
         let Self { normal, geometric, out } = self;
         let below = normal.dot(geometric);

@@ -2,8 +2,8 @@
 
 use crate::geometry::{Color, DVec3};
 
-/// The fifth power by which reflection grows towards grazing directions (Schlick, "An Inexpensive BRDF Model for Physically-based
-/// Rendering", Computer Graphics Forum 13(3), 1994).
+/// The fifth power by which reflection grows towards grazing directions (Schlick, "An Inexpensive
+/// BRDF Model for Physically-based Rendering", Computer Graphics Forum 13(3), 1994).
 pub(super) fn grazing(cosine: f64) -> f64 {
     let left = (1.0 - cosine.abs()).clamp(0.0, 1.0);
     let squared = left * left;
@@ -21,8 +21,8 @@ pub(super) fn head_on(ior: f64) -> f64 {
     root * root
 }
 
-/// The exact reflectance for light without a polarisation (Fresnel, 1823), from the cosine on this side. `ior` is the other side's
-/// index divided by this side's. One where all light is reflected.
+/// The exact reflectance for light without a polarisation (Fresnel, 1823), from the cosine on this
+/// side. `ior` is the other side's index divided by this side's. One where all light is reflected.
 pub(super) fn dielectric(cosine: f64, ior: f64) -> f64 {
     if ior == 1.0 {
         return 0.0;
@@ -41,8 +41,8 @@ fn cosine_beyond(cosine: f64, ior: f64) -> Option<f64> {
     (squared > 0.0).then(|| squared.sqrt())
 }
 
-/// The direction that light comes from that leaves towards `out`, both away from the boundary, on whose side `out` the normal is.
-/// `None` where all light is reflected.
+/// The direction that light comes from that leaves towards `out`, both away from the boundary, on
+/// whose side `out` the normal is. `None` where all light is reflected.
 pub(super) fn refracted(out: DVec3, normal: DVec3, ior: f64) -> Option<DVec3> {
     if ior == 1.0 {
         return Some(-out);
@@ -56,7 +56,8 @@ pub(super) fn refracted(out: DVec3, normal: DVec3, ior: f64) -> Option<DVec3> {
 mod tests {
     use super::*;
 
-    /// The table of a boundary of index 1.5, from the formulas by another program: degrees, reflectance, degrees beyond.
+    /// The table of a boundary of index 1.5, from the formulas by another program: degrees,
+    /// reflectance, degrees beyond.
     const TABLE: [[f64; 3]; 5] = [
         [0.0, 0.04, 0.0],
         [30.0, 0.041_522_625_975_821_52, 19.471_220_634_490_69],

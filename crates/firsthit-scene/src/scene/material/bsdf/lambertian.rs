@@ -7,8 +7,8 @@ use super::{Bsdf, BsdfSample};
 use crate::geometry::{Color, DVec2, DVec3};
 use crate::sampling::{TangentFrame, warp};
 
-/// The scattering distribution of a matte surface, on the side that is seen. All of it is inlined, so that rows of points can be shaded in
-/// lanes.
+/// The scattering distribution of a matte surface, on the side that is seen. All of it is inlined,
+/// so that rows of points can be shaded in lanes.
 #[derive(Debug, Clone, Copy)]
 #[doc(hidden)]
 pub struct Lambertian {

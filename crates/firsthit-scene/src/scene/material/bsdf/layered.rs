@@ -1,6 +1,8 @@
-//! glTF's metallic-roughness model with its extensions: a dielectric or a metal, under cloth's fibres, under a clear coat (glTF 2.0,
-//! appendix B). There light is reflected once: the light that a rough metal's microfacets send to each other is lost, so that rough metals
-//! are darker than real ones. Where a surface is seen from the side, its matte ground gets less than in glTF: see `leftover.rs`.
+//! glTF's metallic-roughness model with its extensions: a dielectric or a metal, under cloth's
+//! fibres, under a clear coat (glTF 2.0, appendix B). There light is reflected once: the light that
+//! a rough metal's microfacets send to each other is lost, so that rough metals are darker than
+//! real ones. Where a surface is seen from the side, its matte ground gets less than in glTF: see
+//! `leftover.rs`.
 
 use std::f64::consts::PI;
 
@@ -33,7 +35,8 @@ pub(in crate::scene::material) struct Layers {
     pub(in crate::scene::material) sheen: (Color, f64),
 }
 
-/// The layers as light meets them. Directions are in the space of the shading normal, whose axis is z.
+/// The layers as light meets them. Directions are in the space of the shading normal, whose axis is
+/// z.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Layered {
     pub(super) axes: TangentFrame,
@@ -45,7 +48,8 @@ pub(super) struct Layered {
     /// The light that the dielectric leaves to the diffuse base; `None` without a base.
     pub(super) leftover: Option<Leftover>,
     transmission: f64,
-    /// The index of the other side divided by that of the side that is seen; `None` for a thin wall.
+    /// The index of the other side divided by that of the side that is seen; `None` for a thin
+    /// wall.
     pub(super) ior: Option<f64>,
     pub(super) sheen: Option<Sheen>,
     pub(super) coat: Option<Coat>,
@@ -82,8 +86,8 @@ impl Layered {
         layered
     }
 
-    /// Whether light that goes through has a single direction: where the surface is smooth, and where both sides have the same index, so that
-    /// no facet turns it.
+    /// Whether light that goes through has a single direction: where the surface is smooth, and
+    /// where both sides have the same index, so that no facet turns it.
     pub(super) fn is_straight_through(&self) -> bool {
         self.facets.is_smooth() || self.ior == Some(1.0)
     }

@@ -1,9 +1,11 @@
 //! The light that a rough boundary leaves to the diffuse base below it.
 //!
-//! glTF's diffuse lobe is what a single microfacet lets through. It knows nothing of what others reflect of light from other directions, so
-//! that both lobes together would give more than they get where a surface is seen from the side, nearly twice as much where it is smooth.
-//! Here the diffuse lobe is scaled by albedos, as glTF has it below its sheen: as much as is left seen from either direction, of which the
-//! lesser counts, so that light may go either way. Where both lobes stay within what they get, they are glTF's.
+//! glTF's diffuse lobe is what a single microfacet lets through. It knows nothing of what others
+//! reflect of light from other directions, so that both lobes together would give more than they
+//! get where a surface is seen from the side, nearly twice as much where it is smooth. Here the
+//! diffuse lobe is scaled by albedos, as glTF has it below its sheen: as much as is left seen from
+//! either direction, of which the lesser counts, so that light may go either way. Where both lobes
+//! stay within what they get, they are glTF's.
 
 use super::albedo::{Albedos, AlbedosOfRoughness, mean};
 use super::fresnel;
@@ -27,7 +29,8 @@ pub(super) struct Leftover {
 }
 
 impl Leftover {
-    /// Below a boundary of that roughness that reflects `head_on` head on, of the lightest colour, `weight` times, seen with a cosine.
+    /// Below a boundary of that roughness that reflects `head_on` head on, of the lightest colour,
+    /// `weight` times, seen with a cosine.
     pub(super) fn new(roughness: f64, (head_on, weight): (f64, f64), cosine: f64) -> Self {
         let is_smooth = Microfacets::of_roughness(roughness).is_smooth();
         let leftover = Self {
@@ -66,7 +69,8 @@ impl Leftover {
     }
 }
 
-/// See [`REFLECTED`], as a sum over the microfacets that are seen: circles of a disc, more of them towards its edge, and points of half a circle.
+/// See [`REFLECTED`], as a sum over the microfacets that are seen: circles of a disc, more of them
+/// towards its edge, and points of half a circle.
 fn reflected(cosine: f64, roughness: f64, steps: [u32; 2]) -> [f64; 2] {
     let facets = Microfacets::of_roughness(roughness);
     mean(steps, |circle, angle| {
@@ -77,8 +81,8 @@ fn reflected(cosine: f64, roughness: f64, steps: [u32; 2]) -> [f64; 2] {
     })
 }
 
-/// The mean of [`fresnel::grazing`] over the microfacets that reflect light from everywhere, by its cosine, to a direction: a polynomial
-/// for the sum over directions.
+/// The mean of [`fresnel::grazing`] over the microfacets that reflect light from everywhere, by its
+/// cosine, to a direction: a polynomial for the sum over directions.
 fn mean_grazing(cosine: f64) -> f64 {
     let x = 1.0 - cosine.abs().min(1.0);
     8.2e-5 + x * (0.002_043_6 + x * (0.009_25 + x * (0.007_851_5 + x * 0.008_939_5)))

@@ -30,7 +30,8 @@ impl Layered {
             // Some microfacets are met head on: they let light through that others reflect.
             0.5 * (here + of(1.0).element_sum() / 3.0)
         };
-        // Seen from the side, the microfacets that light comes through are met much more steeply than the surface.
+        // Seen from the side, the microfacets that light comes through are met much more steeply
+        // than the surface.
         let from_side = (self.leftover).and_then(|leftover| leftover.albedo_from_side());
         let diffuse = from_side.map_or_else(
             || mean(&|cosine| self.diffuse(cosine)),
@@ -131,7 +132,8 @@ impl Layered {
         is_light(weight).then_some(BsdfSample { towards, weight, pdf: Some(pdf) })
     }
 
-    /// All directions that light comes from in one way only: in a smooth mirror, straight through, in a smooth coat.
+    /// All directions that light comes from in one way only: in a smooth mirror, straight through,
+    /// in a smooth coat.
     pub(super) fn branches(&self, frame: &Frame) -> [Option<BsdfSample>; 3] {
         let coat = self.coat.filter(|coat| coat.facets.is_smooth());
         let coat = coat.and_then(|_| self.of_coat());

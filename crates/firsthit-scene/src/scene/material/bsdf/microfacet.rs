@@ -1,6 +1,7 @@
-//! A rough boundary as many microfacets: their slopes are as Trowbridge and Reitz have them ("GGX": Walter and others, "Microfacet
-//! Models for Refraction through Rough Surfaces", EGSR 2007), and one hides another as their heights have it (Heitz, "Understanding
-//! the Masking-Shadowing Function in Microfacet-Based BRDFs", Journal of Computer Graphics Techniques 3(2), 2014).
+//! A rough boundary as many microfacets: their slopes are as Trowbridge and Reitz have them ("GGX":
+//! Walter and others, "Microfacet Models for Refraction through Rough Surfaces", EGSR 2007), and
+//! one hides another as their heights have it (Heitz, "Understanding the Masking-Shadowing Function
+//! in Microfacet-Based BRDFs", Journal of Computer Graphics Techniques 3(2), 2014).
 //!
 //! Directions are in the frame of the surface, whose normal is +z.
 
@@ -49,8 +50,9 @@ impl Microfacets {
         (squared + (1.0 - squared) * cosine * cosine).sqrt()
     }
 
-    /// The reflection distribution of microfacets that reflect everything: distribution times visibility, glTF's D V. None of it for a smooth
-    /// boundary, which has it in one direction only.
+    /// The reflection distribution of microfacets that reflect everything: distribution times
+    /// visibility, glTF's D V. None of it for a smooth boundary, which has it in one direction
+    /// only.
     pub(super) fn reflection(self, out: DVec3, into: DVec3) -> f64 {
         if self.is_smooth() {
             return 0.0;
@@ -68,8 +70,8 @@ impl Microfacets {
             / (out.z + self.smith_root(out.z))
     }
 
-    /// A microfacet's normal, as often as `out` sees it (Heitz, "Sampling the GGX Distribution of Visible Normals", Journal of Computer
-    /// Graphics Techniques 7(4), 2018).
+    /// A microfacet's normal, as often as `out` sees it (Heitz, "Sampling the GGX Distribution of
+    /// Visible Normals", Journal of Computer Graphics Techniques 7(4), 2018).
     pub(super) fn sample(self, out: DVec3, u: DVec2) -> DVec3 {
         self.visible_normal(out, warp::disc(u))
     }
@@ -105,13 +107,15 @@ impl Microfacets {
         [all, out.dot(facet)]
     }
 
-    /// The probability density of directions that the microfacets of [`sample`](Self::sample) reflect.
+    /// The probability density of directions that the microfacets of [`sample`](Self::sample)
+    /// reflect.
     pub(super) fn reflection_pdf(self, out: DVec3, into: DVec3) -> f64 {
         self.distribution(half(out, into)) / (2.0 * (out.z + self.smith_root(out.z)))
     }
 
-    /// The normal of the microfacet that lets light through from `into` to `out`, whose sides have indices in the ratio `ior`, and how densely such normals
-    /// become directions. `None` where none does. (Walter and others 2007, equations 16 and 17.)
+    /// The normal of the microfacet that lets light through from `into` to `out`, whose sides have
+    /// indices in the ratio `ior`, and how densely such normals become directions. `None` where
+    /// none does. (Walter and others 2007, equations 16 and 17.)
     pub(super) fn refracting(out: DVec3, into: DVec3, ior: f64) -> Option<(DVec3, f64)> {
         let normal = -(out + ior * into);
         let normal = (normal * normal.z.signum()).try_normalize()?;
@@ -121,8 +125,8 @@ impl Microfacets {
         is_between.then(|| (normal, below.abs() / (sum * sum)))
     }
 
-    /// The transmission distribution of radiance through microfacets that let everything through. A ray's radiance is the less the
-    /// wider its cone, so it goes with the square of the indices.
+    /// The transmission distribution of radiance through microfacets that let everything through. A
+    /// ray's radiance is the less the wider its cone, so it goes with the square of the indices.
     pub(super) fn refraction(
         self,
         (out, into): (DVec3, DVec3),

@@ -1,5 +1,5 @@
-//! The fuzz of cloth: glTF's `KHR_materials_sheen`, after Estevez and Kulla, "Production Friendly Microfacet Sheen BRDF" (SIGGRAPH
-//! Courses 2017).
+//! The fuzz of cloth: glTF's `KHR_materials_sheen`, after Estevez and Kulla, "Production Friendly
+//! Microfacet Sheen BRDF" (SIGGRAPH Courses 2017).
 
 use std::f64::consts::{PI, TAU};
 
@@ -87,7 +87,8 @@ fn fitted(x: f64, alpha: f64) -> f64 {
     a / (1.0 + b * libm::pow(x, c)) + d * x + e
 }
 
-/// The albedo as a sum over directions: cosines and angles of half a turn, more of both where light comes from the side and from behind.
+/// The albedo as a sum over directions: cosines and angles of half a turn, more of both where light
+/// comes from the side and from behind.
 fn albedo(cosine: f64, roughness: f64, steps: [u32; 2]) -> [f64; 1] {
     let out = DVec3::new((1.0 - cosine * cosine).sqrt(), 0.0, cosine);
     mean(steps, |row, column| {

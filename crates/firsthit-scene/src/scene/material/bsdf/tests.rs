@@ -186,7 +186,8 @@ fn directions_are_drawn_as_often_as_their_pdf_says() {
     }
 }
 
-/// The coat has a normal of its own: where the base's normal map turns away from the light, the coat reflects it all the same.
+/// The coat has a normal of its own: where the base's normal map turns away from the light, the
+/// coat reflects it all the same.
 #[test]
 fn a_coat_is_not_turned_by_the_normal_of_its_base() {
     let (sin, cos) = libm::sincos(60.0_f64.to_radians());
@@ -266,7 +267,8 @@ fn white_plastic_stays_white_seen_from_the_side() {
     }
 }
 
-/// Single scattering loses the light that microfacets send to each other: the specification has it so.
+/// Single scattering loses the light that microfacets send to each other: the specification has it
+/// so.
 #[test]
 fn a_white_metal_loses_as_much_as_single_scattering_does() {
     let cosine: f64 = 0.95;
@@ -281,7 +283,8 @@ fn a_white_metal_loses_as_much_as_single_scattering_does() {
 #[test]
 fn light_may_go_either_way() {
     for (name, layers) in spread() {
-        // The coat is reciprocal only where light and looks are equally steep (its extension takes the cosine of one).
+        // The coat is reciprocal only where light and looks are equally steep (its extension takes
+        // the cosine of one).
         if layers.coat.0 > 0.0 || layers.absorption.is_some() {
             continue;
         }
