@@ -75,7 +75,7 @@ pub use traverse::any::Any;
 #[doc(hidden)]
 pub use traverse::count::Count;
 #[doc(hidden)]
-pub use traverse::dispatch::Dispatcher;
+pub use traverse::dispatch::{Traversal, TraversalMemory};
 #[doc(hidden)]
 pub use traverse::each::{END, EachCandidate};
 #[doc(hidden)]

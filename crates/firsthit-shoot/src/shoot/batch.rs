@@ -14,8 +14,8 @@ use super::scene_walk::SceneWalk;
 use super::single::SingleRay;
 use super::start::met_at_start;
 use crate::accel::{
-    self, Dispatcher, InstructionSet, MeshPacket, MeshQuery, MeshTree, Packet, RAYS, Scratch,
-    WalkStack,
+    self, InstructionSet, MeshPacket, MeshQuery, MeshTree, Packet, RAYS, Scratch, Traversal,
+    TraversalMemory, WalkStack,
 };
 use crate::error::Result;
 use crate::geometry::{DVec3, Ray, Rays, SurfaceId};
@@ -88,7 +88,7 @@ pub(super) struct Memory {
     /// The filter of each filtered ray of a batch at the mesh that it is at.
     pub(super) in_meshes: Vec<MeshFilter>,
     pub(super) packets: Vec<Packet>,
-    pub(super) dispatcher: Dispatcher,
+    pub(super) traversal_memory: TraversalMemory,
 }
 
 impl Memory {
@@ -99,7 +99,7 @@ impl Memory {
             walk_stacks: vec![WalkStack::new(); BATCH],
             in_meshes: Vec::new(),
             packets: Vec::new(),
-            dispatcher: Dispatcher::default(),
+            traversal_memory: TraversalMemory::default(),
         };
         MEMORY.take().unwrap_or_else(new)
     }
@@ -172,28 +172,36 @@ impl<S: Sink> Batch<'_, S> {
     /// top-level traversal.
     #[inline(always)]
     fn through_mesh<L: Lanes>(
-        mut self,
+        self,
         l: L,
         memory: &mut Memory,
         index: u32,
         (mesh, tree): (Meshes<'_>, &MeshTree),
     ) {
-        let object = &self.scene.objects()[index as usize];
+        let Self { scene, rays, first: start, .. } = self;
+        let object = &scene.objects()[index as usize];
         let count = self.sink.len();
-        let packets = count.div_ceil(RAYS);
-        memory.hold_packets(packets);
-        self.read(&mut memory.packets[..packets]);
-        for number in 0..packets {
-            let packet = &mut memory.packets[number];
-            let first = number * RAYS;
+        memory.hold_packets(count.div_ceil(RAYS));
+        let Memory { packets, traversal_memory, .. } = &mut *memory;
+        let (mut traversal, mut at_mesh) = (Traversal::new(traversal_memory), Vec::new());
+        at_mesh.reserve_exact(count.div_ceil(RAYS));
+        // The rays that packets do not serve.
+        let mut alone = Vec::new();
+        let mut sink = OfMesh(index, scene.group_led_by(index), self.sink);
+        let mut sixteen = [Ray::new(DVec3::ZERO, DVec3::ZERO); RAYS];
+        for (packet, first) in packets.iter_mut().zip((0..count).step_by(RAYS)) {
             let length = (count - first).min(RAYS);
-            self.prefetch(l, first, length);
+            rays.read(start + first, &mut sixteen[..length]);
+            for (lane, ray) in sixteen.iter().enumerate() {
+                packet.put(lane, ray);
+            }
+            prefetch(l, rays, start + count + first, length);
             let mut plain = packet.enter(l, object.transform());
             let mut unseen = 0;
             if S::Query::IS_FILTERED {
-                let at_mesh = (self.scene, index, (mesh, tree));
-                let lanes = self.first + first..self.first + first + length;
-                let (easy, hidden) = set_filters(packet, at_mesh, self.rays, lanes);
+                let at_mesh = (scene, index, (mesh, tree));
+                let lanes = start + first..start + first + length;
+                let (easy, hidden) = set_filters(packet, at_mesh, rays, lanes);
                 plain &= easy;
                 unseen = hidden;
                 packet.prepare_filtered(l, tree, length);
@@ -202,52 +210,23 @@ impl<S: Sink> Batch<'_, S> {
             }
             let plain = plain & !packet.distant;
             packet.alive &= plain & !unseen;
-            let alive = packet.alive;
             for lane in 0..length {
                 if plain >> lane & 1 == 0 {
-                    let ray = self.rays.ray(self.first + first + lane);
-                    let query = S::Query::begin(self.rays, self.first + first + lane);
-                    let single = SingleRay::new(memory, self.scene, &ray, query);
-                    self.sink.put(first + lane, &l.call(single));
-                } else if alive >> lane & 1 == 0 {
-                    self.sink.put(first + lane, &S::Query::START);
+                    alone.push(first + lane);
+                } else if packet.alive >> lane & 1 == 0 {
+                    sink.2.put(first + lane, &S::Query::START);
                 }
             }
+            let mut packet = MeshPacket::new(tree, mesh, packet);
+            let numbered = (at_mesh.len(), &mut packet);
+            try_together::<L, S::Query>(l, &mut traversal, numbered, &mut sink);
+            at_mesh.push(packet);
         }
-        let Memory { packets: all, dispatcher, .. } = memory;
-        let packets = &all[..packets];
-        let mut at_mesh = Vec::with_capacity(packets.len());
-        for packet in packets {
-            at_mesh.push(MeshPacket::new(tree, mesh, packet));
-        }
-        let sink = OfMesh(index, self.scene.group_led_by(index), self.sink);
-        dispatch::<L, S::Query>(l, dispatcher, &mut at_mesh, sink);
-    }
-
-    /// Puts the rays into packets.
-    #[inline(always)]
-    fn read(&self, packets: &mut [Packet]) {
-        let count = self.sink.len();
-        let mut sixteen = [Ray::new(DVec3::ZERO, DVec3::ZERO); RAYS];
-        for (packet, first) in packets.iter_mut().zip((0..count).step_by(RAYS)) {
-            let length = (count - first).min(RAYS);
-            self.rays.read(self.first + first, &mut sixteen[..length]);
-            for (lane, ray) in sixteen.iter().enumerate() {
-                packet.put(lane, ray);
-            }
-        }
-    }
-
-    /// Prefetches rays of the next batch, which this thread mostly takes: `count`, at the same
-    /// places as those from `start` on in this one.
-    #[inline(always)]
-    fn prefetch<L: Lanes>(&self, l: L, start: usize, count: usize) {
-        let Some(rays) = self.rays.array() else {
-            return;
-        };
-        let next = self.first + self.sink.len() + start;
-        for ray in rays.iter().skip(next).take(count) {
-            l.prefetch(ray);
+        finish::<L, S::Query>(l, &mut traversal, &at_mesh, &mut sink);
+        for number in alone {
+            let ray = rays.ray(start + number);
+            let query = S::Query::begin(rays, start + number);
+            sink.2.put(number, &l.call(SingleRay::new(memory, scene, &ray, query)));
         }
     }
 
@@ -266,7 +245,7 @@ impl<S: Sink> Batch<'_, S> {
             let first = walks.len();
             let rays = &mut rays[..RAYS.min(count - start)];
             self.rays.read(self.first + start, rays);
-            self.prefetch(l, start, rays.len());
+            prefetch(l, self.rays, self.first + count + start, rays.len());
             let mut neighbours = Neighbours::new(rays, (self.rays, self.first + start));
             let listed = neighbours.meet_shapes(l, scene);
             let has_more = listed.is_none_or(|it| it.has_others() || S::Query::ALL);
@@ -299,6 +278,14 @@ impl<S: Sink> Batch<'_, S> {
         for (number, walk) in numbers.into_iter().zip(&walks) {
             self.sink.put(number, &walk.state.query);
         }
+    }
+}
+
+/// Prefetches `count` rays from `first` on: those of the next batch, which this thread mostly takes.
+#[inline(always)]
+fn prefetch<L: Lanes>(l: L, rays: &dyn Rays, first: usize, count: usize) {
+    for ray in rays.array().unwrap_or_default().iter().skip(first).take(count) {
+        l.prefetch(ray);
     }
 }
 
@@ -344,40 +331,89 @@ fn set_filters(
 }
 
 /// Takes rays through the meshes that they have come to, and puts the answers into `sink`.
+#[inline(always)]
+pub(super) fn dispatch<L: Lanes, Q: RayQuery>(
+    l: L,
+    traversal_memory: &mut TraversalMemory,
+    packets: &mut [MeshPacket<'_>],
+    mut sink: impl accel::Sink<MeshAnswer<Q>>,
+) {
+    let mut traversal = Traversal::new(traversal_memory);
+    for packet in packets.iter_mut().enumerate() {
+        try_together::<L, Q>(l, &mut traversal, packet, &mut sink);
+    }
+    finish::<L, Q>(l, &mut traversal, packets, &mut sink);
+}
+
+/// Tries a packet, by its number, as soon as it is ready: its rays are in the nearest cache still.
 ///
 /// The traversals are compiled for each kind of sink: a common one made occlusion and shadow rays 3
 /// to 5 % slower. Those of rare queries have it behind a pointer.
 #[inline(always)]
-pub(super) fn dispatch<L: Lanes, Q: RayQuery>(
+fn try_together<'a, L: Lanes, Q: RayQuery>(
     l: L,
-    dispatcher: &mut Dispatcher,
-    packets: &mut [MeshPacket<'_>],
-    mut sink: impl accel::Sink<MeshAnswer<Q>>,
+    traversal: &mut Traversal<'_, 'a>,
+    packet: (usize, &mut MeshPacket<'a>),
+    sink: &mut impl accel::Sink<MeshAnswer<Q>>,
 ) {
     if Q::ALL || Q::IS_FILTERED {
-        let sink: &mut dyn accel::Sink<_> = &mut sink;
-        l.call(Dispatch::<Q::InMesh, _>(dispatcher, packets, sink, PhantomData));
+        let sink: &mut dyn accel::Sink<_> = sink;
+        l.call(TryTogether::<Q::InMesh, _>(traversal, packet, sink, PhantomData));
     } else {
-        l.call(Dispatch::<Q::InMesh, _>(dispatcher, packets, &mut sink, PhantomData));
+        l.call(TryTogether::<Q::InMesh, _>(traversal, packet, sink, PhantomData));
+    }
+}
+
+/// Answers the rays of all packets that are open still, likewise.
+#[inline(always)]
+fn finish<'a, L: Lanes, Q: RayQuery>(
+    l: L,
+    traversal: &mut Traversal<'_, 'a>,
+    packets: &[MeshPacket<'a>],
+    sink: &mut impl accel::Sink<MeshAnswer<Q>>,
+) {
+    if Q::ALL || Q::IS_FILTERED {
+        let sink: &mut dyn accel::Sink<_> = sink;
+        l.call(Finish::<Q::InMesh, _>(traversal, packets, sink, PhantomData));
+    } else {
+        l.call(Finish::<Q::InMesh, _>(traversal, packets, sink, PhantomData));
     }
 }
 
 /// A function of its own, so that packet building and top-level traversal are not compiled with
 /// traversals of meshes.
-struct Dispatch<'r, 'a, Q: MeshQuery, S: ?Sized>(
-    &'r mut Dispatcher,
-    &'r mut [MeshPacket<'a>],
+struct TryTogether<'r, 'd, 'a, Q: MeshQuery, S: ?Sized>(
+    &'r mut Traversal<'d, 'a>,
+    (usize, &'r mut MeshPacket<'a>),
     &'r mut S,
     PhantomData<Q>,
 );
 
-impl<Q: MeshQuery, S: accel::Sink<Q::Found> + ?Sized> Kernel for Dispatch<'_, '_, Q, S> {
+impl<Q: MeshQuery, S: accel::Sink<Q::Found> + ?Sized> Kernel for TryTogether<'_, '_, '_, Q, S> {
     type Output = ();
 
     #[inline(always)]
     fn run<L: Lanes>(self, l: L) {
-        let Self(dispatcher, packets, sink, _) = self;
-        dispatcher.run::<L, Q>(l, packets, sink);
+        let Self(traversal, packet, sink, _) = self;
+        traversal.try_together::<L, Q>(l, packet, sink);
+    }
+}
+
+/// Likewise.
+struct Finish<'r, 'd, 'a, Q: MeshQuery, S: ?Sized>(
+    &'r mut Traversal<'d, 'a>,
+    &'r [MeshPacket<'a>],
+    &'r mut S,
+    PhantomData<Q>,
+);
+
+impl<Q: MeshQuery, S: accel::Sink<Q::Found> + ?Sized> Kernel for Finish<'_, '_, '_, Q, S> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Lanes>(self, l: L) {
+        let Self(traversal, packets, sink, _) = self;
+        traversal.finish::<L, Q>(l, packets, sink);
     }
 }
 

@@ -111,7 +111,7 @@ fn through_instances<'a, L: Lanes, Q: RayQuery>(
         });
     }
     let sink = OfInstances { scene, entered, instances, packing: &packing, walks };
-    dispatch::<L, Q>(l, &mut memory.dispatcher, &mut packets, sink);
+    dispatch::<L, Q>(l, &mut memory.traversal_memory, &mut packets, sink);
 }
 
 #[inline(always)]

@@ -6,21 +6,22 @@
 //! 2. Bring the start into the tree's space. If it is farther away than `FAR`, move it along the
 //!    ray, in float64, to two units before the point that is nearest to the tree's middle.
 //! 3. Compute how far rounding can put the ray off: the reach and the blur (see `bounds.rs`).
-//! 4. Compute what the test of a node takes: one over the direction, and the start over the
-//!    direction, moved by the margin.
-//! 5. Split the start into two float32, the second of which is what the first leaves out.
-//! 6. Bound the depths at which the ray begins and ends (`limits.rs`).
+//! 4. Split the start into two float32, the second of which is what the first leaves out.
+//! 5. Bound the depths at which the ray begins and ends (`limits.rs`).
+//! 6. Compute what the test of a node takes, sixteen at a time in float32: one over the direction,
+//!    and the start over the direction, moved by the margin.
 //!
 //! # Error bounds
 //!
 //! The margin of a box is `BOX` times the reach and two blurs. In units of `U reach`:
 //!
-//! - 1: the start, rounded to float32, and 1: its product with one over the direction;
-//! - 1: one over the direction;
+//! - 1: the start, rounded to float32, 1: its sum with the margin, and 1: the product of that with
+//!   one over the direction;
+//! - 2: the direction, rounded to float32, and one over that;
 //! - 1: the product of a plane with that, and 1: the difference of both;
 //! - 1: the vertices, rounded to float32 when the tree is made.
 //!
-//! These are 6; `BOX` allows 12.
+//! These are 8; `BOX` allows 12.
 
 #![expect(
     clippy::needless_range_loop,
@@ -31,7 +32,7 @@ use super::packet::{Packet, RAYS, largest_of, of_mut, vector};
 use super::slabs::SMALLEST;
 use super::trees::Trees;
 use crate::accel::bounds::{BLUR, BOX, DISTANT, FAR};
-use crate::simd::{Lanes, WIDE};
+use crate::simd::{Aligned, Lanes, WIDE};
 
 /// Between the axes of space and those of each ray, `TreeRay::axes`.
 struct Axes {
@@ -125,22 +126,28 @@ impl Packet {
         off: f64,
     ) {
         self.departing = 0;
-        let (first, first_distant) = self.prepare_half(l, trees, 0, off);
+        let mut margins = Aligned([0.0; RAYS]);
+        let (first, first_distant) = self.prepare_half(l, trees, (0, off), &mut margins.0);
         // One ray alone is common.
-        let (second, second_distant) =
-            if count > WIDE { self.prepare_half(l, trees, 1, off) } else { (0, 0) };
+        let (second, second_distant) = if count > WIDE {
+            self.prepare_half(l, trees, (1, off), &mut margins.0)
+        } else {
+            (0, 0)
+        };
+        self.set_slabs(l, &margins.0);
         self.distant = u16::from_le_bytes([first_distant, second_distant]);
         self.alive = u16::from_le_bytes([first, second]) & lowest(count) & !self.distant;
     }
 
-    /// Makes eight ready. Returns which of them may meet something, and which are distant.
+    /// Makes eight ready, but for step 6, which takes their `margins`. Returns which of them may
+    /// meet something, and which are distant.
     #[inline(always)]
     fn prepare_half<L: Lanes>(
         &mut self,
         l: L,
         trees: impl Trees,
-        half: usize,
-        off: f64,
+        (half, off): (usize, f64),
+        margins: &mut [f32; RAYS],
     ) -> (u8, u8) {
         let number = |x: f64| l.splat64(x);
         let (zero, one) = (number(0.0), number(1.0));
@@ -149,8 +156,6 @@ impl Packet {
         let [across, upwards, along] = axes.turned(l, d);
         let sign = l.select64(l.lt64(along, zero), number(-1.0), one);
         let slope = [l.mul64(sign, l.div64(across, along)), l.mul64(sign, l.div64(upwards, along))];
-        let direction = axes.restored(l, [slope[0], slope[1], sign]);
-
         let scale = trees.scale(l, half);
         let mut start = [zero; 3];
         for axis in 0..3 {
@@ -167,6 +172,7 @@ impl Packet {
         if far != 0 {
             // A little farther away than [`MeshTree::is_distant`] has it.
             distant = !l.le64(largest, number(1.000_001 * DISTANT));
+            let direction = axes.restored(l, [slope[0], slope[1], sign]);
             (start, moved, blur) = nearer(l, far, &start, &direction, blur);
             largest = largest_of(l, &start);
         }
@@ -175,7 +181,8 @@ impl Packet {
 
         let reach = l.add64(l.mul64(largest, number(1.000_001)), one);
         let rounding = Rounding { reach, blur };
-        self.set_ends(l, half, &start, &direction, &rounding);
+        let margin = l.add64(rounding.share(l, BOX), l.add64(blur, blur));
+        l.store_narrowed(margin, of_mut(margins, half));
         let start = axes.turned(l, start);
         for axis in 0..3 {
             let [high, low] = &mut self.start[axis];
@@ -201,28 +208,35 @@ impl Packet {
         (near, distant)
     }
 
-    /// Step 4: what the test of a node takes.
+    /// Step 6: what the test of a node takes.
     #[inline(always)]
-    fn set_ends<L: Lanes>(
-        &mut self,
-        l: L,
-        half: usize,
-        start: &[L::Doubles; 3],
-        direction: &[L::Doubles; 3],
-        rounding: &Rounding<L>,
-    ) {
-        let zero = l.splat64(0.0);
-        let blur = l.add64(rounding.blur, rounding.blur);
-        let margin = l.add64(rounding.share(l, BOX), blur);
+    fn set_slabs<L: Lanes>(&mut self, l: L, margins: &[f32; RAYS]) {
+        let [second, third] = self.is_along;
+        // Reorders components from the axes of the rays to those of space.
+        macro_rules! restored {
+            ($x:expr, $y:expr, $z:expr) => {{
+                let [x, y, z] = [l.load($x), l.load($y), l.load($z)];
+                [
+                    l.select(third, x, l.select(second, y, z)),
+                    l.select(third, y, l.select(second, z, x)),
+                    l.select(third, z, l.select(second, x, y)),
+                ]
+            }};
+        }
+        let direction = restored!(&self.slope[0], &self.slope[1], &self.forwards);
+        let start = restored!(&self.start[0][0], &self.start[1][0], &self.start[2][0]);
+        let (zero, one, margin) = (l.splat(0.0), l.splat(1.0), l.load(margins));
         for axis in 0..3 {
-            let back = l.lt64(direction[axis], zero);
-            let over = reciprocal(l, direction[axis], back);
-            let wider = l.select64(back, l.sub64(zero, margin), margin);
-            let minus = l.sub64(zero, over);
-            l.store_narrowed(over, of_mut(&mut self.inverse[axis], half));
-            let [first, last] = &mut self.ends[axis];
-            l.store_narrowed(l.mul64(l.add64(start[axis], wider), minus), of_mut(first, half));
-            l.store_narrowed(l.mul64(l.sub64(start[axis], wider), minus), of_mut(last, half));
+            let back = l.lt(direction[axis], zero);
+            let is_small = l.lt(l.abs(direction[axis]), l.splat(SMALLEST));
+            let huge = l.splat(1.0 / SMALLEST);
+            let huge = l.select(back, l.sub(zero, huge), huge);
+            let over = l.select(is_small, huge, l.div(one, direction[axis]));
+            let wider = l.select(back, l.sub(zero, margin), margin);
+            let minus = l.sub(zero, over);
+            l.store(over, &mut self.inverse[axis]);
+            l.store(l.mul(l.add(start[axis], wider), minus), &mut self.ends[axis][0]);
+            l.store(l.mul(l.sub(start[axis], wider), minus), &mut self.ends[axis][1]);
         }
     }
 }
@@ -260,13 +274,4 @@ fn nearer<L: Lanes>(
         out[axis] = l.select64(far, sum, start[axis]);
     }
     (out, moved, blur)
-}
-
-/// One over a component of the direction, but finite: see [`SMALLEST`].
-#[inline(always)]
-fn reciprocal<L: Lanes>(l: L, x: L::Doubles, back: u8) -> L::Doubles {
-    let huge = l.splat64(1.0 / SMALLEST);
-    let huge = l.select64(back, l.sub64(l.splat64(0.0), huge), huge);
-    let is_small = l.lt64(l.abs64(x), l.splat64(SMALLEST));
-    l.select64(is_small, huge, l.div64(l.splat64(1.0), x))
 }

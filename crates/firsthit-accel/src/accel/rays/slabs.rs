@@ -16,7 +16,7 @@ pub(in crate::accel) struct Slabs {
 
 /// A component of a direction that is smaller moves a ray by less than every margin. One over it is
 /// taken to be a huge number of its sign, which still tells inside from outside.
-pub(super) const SMALLEST: f64 = 1e-30;
+pub(super) const SMALLEST: f32 = 1e-30;
 
 impl Slabs {
     /// The slabs of a ray whose direction has a largest component of one, for boxes that seem wider
@@ -28,8 +28,9 @@ impl Slabs {
         for axis in 0..3 {
             let is_back = direction[axis] < 0.0;
             let wider = if is_back { -margin } else { margin };
-            let over = if direction[axis].abs() < SMALLEST {
-                (1.0 / SMALLEST).copysign(wider)
+            let smallest = f64::from(SMALLEST);
+            let over = if direction[axis].abs() < smallest {
+                (1.0 / smallest).copysign(wider)
             } else {
                 1.0 / direction[axis]
             };

@@ -123,7 +123,7 @@ pub(super) mod tests {
     use super::*;
     use crate::accel::mesh_tree::MeshTree;
     use crate::accel::rays::packet::{Packet, RAYS};
-    use crate::accel::traverse::dispatch::Dispatcher;
+    use crate::accel::traverse::dispatch::{Traversal, TraversalMemory};
     use crate::accel::traverse::mesh_packet::MeshPacket;
     use crate::accel::traverse::query::Sink;
     use crate::accel::traverse::single::traverse;
@@ -162,7 +162,10 @@ pub(super) mod tests {
                 packet.t_max_high = limits;
                 let at_mesh = MeshPacket::new(tree, mesh, &packet);
                 let mut answers = Answers([None; RAYS]);
-                Dispatcher::default().run::<L, Any>(l, &mut [at_mesh], &mut answers);
+                let (mut memory, mut one) = (TraversalMemory::default(), at_mesh);
+                let mut traversal = Traversal::new(&mut memory);
+                traversal.try_together::<L, Any>(l, (0, &mut one), &mut answers);
+                traversal.finish::<L, Any>(l, &[one], &mut answers);
                 for (lane, &limit) in limits.iter().enumerate() {
                     let is_met = limit > 100.0;
                     assert_eq!(answers.0[lane], Some(is_met), "{limit} {spread}");

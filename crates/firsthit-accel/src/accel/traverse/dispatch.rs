@@ -19,50 +19,66 @@ use crate::simd::Lanes;
 /// Memory for traversals, to be used again.
 #[derive(Debug)]
 #[doc(hidden)]
-pub struct Dispatcher {
+pub struct TraversalMemory {
     stack: Stack,
     in_flight: InFlight,
 }
 
-impl Default for Dispatcher {
+impl Default for TraversalMemory {
     fn default() -> Self {
         Self { stack: Stack::new(), in_flight: InFlight::new() }
     }
 }
 
-impl Dispatcher {
-    /// Puts the answer of each open ray of `packets` into `sink`, in any order.
+/// Packets on their way: each is tried as soon as it is ready, while its rays are in the nearest
+/// cache.
+#[doc(hidden)]
+pub struct Traversal<'d, 'a> {
+    memory: &'d mut TraversalMemory,
+    of_coherent: Trials,
+    of_masked: Trials,
+    deferred: Deferred<'a>,
+}
+
+impl<'d, 'a> Traversal<'d, 'a> {
+    /// Begins with no packet.
+    pub fn new(memory: &'d mut TraversalMemory) -> Self {
+        let (of_coherent, of_masked) = (Trials::new(), Trials::new());
+        Self { memory, of_coherent, of_masked, deferred: Deferred::new() }
+    }
+
+    /// Steps 1 and 2 for a packet, by its number. Puts answers into `sink`, and leaves open the rays
+    /// that have none.
     #[inline(always)]
-    pub fn run<L: Lanes, Q: MeshQuery>(
+    pub fn try_together<L: Lanes, Q: MeshQuery>(
         &mut self,
         l: L,
-        packets: &mut [MeshPacket<'_>],
+        (number, packet): (usize, &mut MeshPacket<'a>),
         sink: &mut (impl Sink<Q::Found> + ?Sized),
     ) {
-        let (mut of_coherent, mut of_masked) = (Trials::new(), Trials::new());
-        let stack = &mut self.stack;
-        let mut deferred = Deferred::new();
-        for (number, packet) in packets.iter_mut().enumerate() {
-            // A packet of few rays, as the last one of a batch is, says nothing about the next.
-            if Q::IN_PACKETS && packet.goes_together() && of_coherent.tries() {
-                of_coherent.learn(coherent::<L, Q>(
-                    l,
-                    stack,
-                    (number, packet),
-                    (&mut deferred, &mut *sink),
-                ));
-            }
-            let has_masks = Q::IN_PACKETS && !Q::ORDERED;
-            if has_masks && packet.goes_together() && of_masked.tries() {
-                of_masked.learn(masked::<L, Q>(
-                    l,
-                    stack,
-                    (number, packet),
-                    (&mut deferred, &mut *sink),
-                ));
-            }
+        let stack = &mut self.memory.stack;
+        // A packet of few rays, as the last one of a batch is, says nothing about the next.
+        if Q::IN_PACKETS && packet.goes_together() && self.of_coherent.tries() {
+            let out = (&mut self.deferred, &mut *sink);
+            self.of_coherent.learn(coherent::<L, Q>(l, stack, (number, packet), out));
         }
-        interleaved::<L, Q>(l, &mut self.in_flight, packets, (&mut deferred, &mut *sink));
+        let has_masks = Q::IN_PACKETS && !Q::ORDERED;
+        if has_masks && packet.goes_together() && self.of_masked.tries() {
+            let out = (&mut self.deferred, &mut *sink);
+            self.of_masked.learn(masked::<L, Q>(l, stack, (number, packet), out));
+        }
+    }
+
+    /// Step 3 for the rays of all packets that are open still.
+    #[inline(always)]
+    pub fn finish<L: Lanes, Q: MeshQuery>(
+        &mut self,
+        l: L,
+        packets: &[MeshPacket<'a>],
+        sink: &mut (impl Sink<Q::Found> + ?Sized),
+    ) {
+        let in_flight = &mut self.memory.in_flight;
+        interleaved::<L, Q>(l, in_flight, packets, (&mut self.deferred, sink));
     }
 }
 
