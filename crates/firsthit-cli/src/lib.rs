@@ -90,7 +90,9 @@ pub fn info(file: &Path) -> Result<String, (u8, String)> {
 
 fn parse(args: Vec<OsString>) -> Result<Cli, clap::Error> {
     // `firsthit render -V` names the program, not a program firsthit-render.
-    let command = Cli::command().mut_subcommands(|command| command.display_name("firsthit"));
+    let command = Cli::command().mut_subcommands(|command| {
+        command.display_name("firsthit").mut_args(args::may_begin_with_hyphen)
+    });
     Cli::from_arg_matches(&command.try_get_matches_from(args)?)
 }
 

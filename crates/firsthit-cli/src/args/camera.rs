@@ -17,14 +17,14 @@ pub(crate) struct CameraArgs {
     /// A camera of the file, by its name or its number (from 0), as firsthit info lists them; or
     /// the picture or point cloud that firsthit made with a camera, such as out.exr. The options
     /// below override what it says [default: the first one of a scene file, none of other files]
-    #[arg(long, value_name = "NAME|NUMBER|FILE", allow_hyphen_values = true)]
+    #[arg(long, value_name = "NAME|NUMBER|FILE")]
     pub(crate) camera: Option<String>,
     /// The folder of a COLMAP reconstruction, with cameras.bin and images.bin, or else cameras.txt
     /// and images.txt: the camera is that of the --image. The options below override what it says
     #[arg(long, value_name = "FOLDER", conflicts_with = "camera")]
     pub(crate) colmap: Option<PathBuf>,
     /// The image of the reconstruction, by its name, such as frames/0001.jpg
-    #[arg(long, value_name = "NAME", requires = "colmap", allow_hyphen_values = true)]
+    #[arg(long, value_name = "NAME", requires = "colmap")]
     pub(crate) image: Option<String>,
     /// Look at the model from a standard side, so that it fills the picture. This replaces the
     /// file's camera. The front is the side that faces -y if z is up, and +z if y is up [default:
@@ -38,30 +38,19 @@ pub(crate) struct CameraArgs {
     pub(crate) view: Option<StandardView>,
     /// Where the camera is [default: where the model fills the picture; of a panorama, the middle
     /// of the model]
-    #[arg(long, value_name = "X,Y,Z", value_parser = values::vector, allow_hyphen_values = true)]
+    #[arg(long, value_name = "X,Y,Z", value_parser = values::vector)]
     pub(crate) position: Option<DVec3>,
     /// The direction in which the camera looks
-    #[arg(
-        long,
-        value_name = "X,Y,Z",
-        value_parser = values::vector,
-        allow_hyphen_values = true,
-        conflicts_with = "look_at",
-    )]
+    #[arg(long, value_name = "X,Y,Z", value_parser = values::vector, conflicts_with = "look_at")]
     pub(crate) aim: Option<DVec3>,
     /// The point at which the camera looks; auto is the middle of the scene [default: auto]
-    #[arg(
-        long,
-        value_name = "X,Y,Z|auto",
-        value_parser = values::target,
-        allow_hyphen_values = true,
-    )]
+    #[arg(long, value_name = "X,Y,Z|auto", value_parser = values::target)]
     pub(crate) look_at: Option<Target>,
     /// Which way is up [default: 0,1,0 for glTF and OBJ, 0,0,1 for PLY and STL. Without --position
     /// and --aim, an OBJ, PLY or STL model that clearly stands on a flat base along y or z is shown
     /// upright. If the camera looks along that axis: 0,0,-1 for glTF and OBJ, 0,1,0 for PLY and
     /// STL]
-    #[arg(long, value_name = "X,Y,Z", value_parser = values::vector, allow_hyphen_values = true)]
+    #[arg(long, value_name = "X,Y,Z", value_parser = values::vector)]
     pub(crate) up: Option<DVec3>,
     /// The field of view: degrees from the picture's lower to its upper edge, or along --fov-axis;
     /// of a fisheye those of the circle that touches the longer edges, of a panorama those across
@@ -71,7 +60,6 @@ pub(crate) struct CameraArgs {
         value_name = "DEGREES",
         value_parser = values::fov,
         conflicts_with_all = ["viewplane", "focal_length", "orthographic", "parameters"],
-        allow_hyphen_values = true,
     )]
     pub(crate) fov: Option<f64>,
     /// How --fov is measured: from the lower to the upper edge, from the left to the right one, or
@@ -84,40 +72,19 @@ pub(crate) struct CameraArgs {
     )]
     pub(crate) fov_axis: Option<FovAxis>,
     /// The distance from the camera to the viewplane, in scene units
-    #[arg(
-        long,
-        value_name = "LENGTH",
-        value_parser = values::positive,
-        requires = "viewplane",
-        allow_hyphen_values = true,
-    )]
+    #[arg(long, value_name = "LENGTH", value_parser = values::positive, requires = "viewplane")]
     pub(crate) focal_length: Option<f64>,
     /// The viewplane's width and height, in scene units
-    #[arg(
-        long,
-        value_name = "WIDTHxHEIGHT",
-        value_parser = values::lengths,
-        allow_hyphen_values = true,
-    )]
+    #[arg(long, value_name = "WIDTHxHEIGHT", value_parser = values::lengths)]
     pub(crate) viewplane: Option<(f64, f64)>,
     /// The diameter of the lens, in scene units: colours are sharp at --focus, and blurred nearer
     /// and farther. Needs --samples, 64 or more for a smooth blur. All other channels stay those of
     /// a pinhole [default: 0, a pinhole, or the file's]
-    #[arg(
-        long,
-        value_name = "LENGTH",
-        value_parser = values::tolerance,
-        allow_hyphen_values = true,
-    )]
+    #[arg(long, value_name = "LENGTH", value_parser = values::tolerance)]
     pub(crate) aperture: Option<f64>,
     /// Where a picture with an --aperture is sharp: the distance along the aim, or a point at that
     /// distance
-    #[arg(
-        long,
-        value_name = "DISTANCE|X,Y,Z",
-        value_parser = values::focus,
-        allow_hyphen_values = true,
-    )]
+    #[arg(long, value_name = "DISTANCE|X,Y,Z", value_parser = values::focus)]
     pub(crate) focus: Option<Focus>,
     /// The intrinsic matrix: focal lengths and principal point in pixels, and the skew if there is
     /// one. Needs --convention and --size
@@ -128,7 +95,6 @@ pub(crate) struct CameraArgs {
         requires = "convention",
         requires = "size",
         conflicts_with_all = ["fov", "viewplane", "orthographic"],
-        allow_hyphen_values = true,
     )]
     pub(crate) intrinsics: Option<PixelMatrix>,
     /// A text file with the 3 x 4 or 4 x 4 matrix of the camera's pose, row by row, with blanks or
@@ -174,7 +140,6 @@ pub(crate) struct CameraArgs {
         value_name = "NAME=NUMBER,...",
         value_parser = values::parameters,
         requires = "projection",
-        allow_hyphen_values = true,
     )]
     pub(crate) parameters: Option<Parameters>,
     /// Make rays parallel, as --projection orthographic does
@@ -186,11 +151,6 @@ pub(crate) struct CameraArgs {
     pub(crate) ray_start: Option<RayStart>,
     /// Columns and rows of pixels [default: 1024x768; with --viewplane as many rows as make square
     /// pixels; 1024x512 of a panorama]
-    #[arg(
-        long,
-        value_name = "COLUMNSxROWS",
-        value_parser = values::pixels,
-        allow_hyphen_values = true,
-    )]
+    #[arg(long, value_name = "COLUMNSxROWS", value_parser = values::pixels)]
     pub(crate) size: Option<[usize; 2]>,
 }

@@ -22,9 +22,18 @@ pub(crate) use queries::{
 pub(crate) use run::{CulledSide, LoadArgs, PickArgs, RunArgs, TreeArgs, VerbosityArgs};
 pub(crate) use scan::{PlaceArgs, ScanArgs, ScannerArgs};
 
-use clap::{Parser, Subcommand};
+use clap::{Arg, Parser, Subcommand, ValueHint};
 
 use crate::help;
+
+/// Lets the value of an option begin with a hyphen, as negative numbers do, where it is neither a
+/// file nor a word of a list.
+pub(crate) fn may_begin_with_hyphen(option: Arg) -> Arg {
+    let is_open = option.get_action().takes_values()
+        && option.get_value_hint() == ValueHint::Unknown
+        && option.get_possible_values().is_empty();
+    if is_open { option.allow_hyphen_values(true) } else { option }
+}
 
 /// The general raycaster: what does this ray meet first?
 #[derive(Debug, Parser)]

@@ -75,17 +75,12 @@ pub(crate) struct PictureArgs {
     /// Antialiasing: the colour is the mean of this many points of a pixel. They are the first ones
     /// of a fixed low-discrepancy sequence; 1 is the pixel's centre [default: the file's, else 256
     /// with --noise, else 16 where the shader draws random numbers or there is a ground, else 4]
-    #[arg(
-        long,
-        value_name = "N",
-        value_parser = clap::value_parser!(u32).range(1..=65_536),
-        allow_hyphen_values = true,
-    )]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=65_536))]
     pub(crate) samples: Option<u32>,
     /// Stop sampling where the standard error of a pixel's brightness (as sRGB shows it, 1 is
     /// white) is below LEVEL. First checked after 32 samples. 0.005 is about a level of 255
     /// [default: all samples everywhere]
-    #[arg(long, value_name = "LEVEL", value_parser = values::positive, allow_hyphen_values = true)]
+    #[arg(long, value_name = "LEVEL", value_parser = values::positive)]
     pub(crate) noise: Option<f64>,
     /// Save the state of the picture to FILE (.npz), and continue from it if it exists. Several
     /// runs give the same bytes as one run. Ctrl-C saves it too
@@ -100,7 +95,7 @@ pub(crate) struct PictureArgs {
 pub(crate) struct FileArgs {
     /// Write distances (t, range, z) to .png as 16 bit numbers, which count steps of LENGTH scene
     /// units; 0 is a miss. Otherwise a PNG of distances is in false colours, to look at
-    #[arg(long, value_name = "LENGTH", value_parser = values::positive, allow_hyphen_values = true)]
+    #[arg(long, value_name = "LENGTH", value_parser = values::positive)]
     pub(crate) png_scale: Option<f64>,
     /// The number for distances beyond 65535 steps of --png-scale: saturate makes them 65535, zero
     /// makes them 0, as a miss [default: they are an error]
@@ -142,7 +137,7 @@ pub(crate) struct DisplayArgs {
     /// Make the colours of a .png brighter by this number of stops: each is twice as bright;
     /// negative ones are darker. All other files keep the colours as they are [default: 0, or the
     /// file's]
-    #[arg(long, value_name = "STOPS", value_parser = values::finite, allow_hyphen_values = true)]
+    #[arg(long, value_name = "STOPS", value_parser = values::finite)]
     pub(crate) exposure: Option<f64>,
     /// Bring bright colours into a .png, after --exposure: none shows what is above 1 as 1, neutral
     /// is Khronos PBR Neutral [default: none, or the file's]
@@ -159,7 +154,6 @@ pub(crate) struct DemoArgs {
         value_name = "COLUMNSxROWS",
         value_parser = values::pixels,
         default_value = "1024x640",
-        allow_hyphen_values = true,
     )]
     pub(crate) size: [usize; 2],
     /// Where to write: .png (one channel), .npy (one), .exr or .npz (all), .ply or .pcd (a point
@@ -179,12 +173,7 @@ pub(crate) struct DemoArgs {
     #[command(flatten)]
     pub(crate) files: FileArgs,
     /// Antialiasing: the colour is the mean of this many points of a pixel [default: 16]
-    #[arg(
-        long,
-        value_name = "N",
-        value_parser = clap::value_parser!(u32).range(1..=65_536),
-        allow_hyphen_values = true,
-    )]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=65_536))]
     pub(crate) samples: Option<u32>,
     #[command(flatten)]
     pub(crate) display: DisplayArgs,

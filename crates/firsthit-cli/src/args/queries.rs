@@ -25,13 +25,7 @@ pub(crate) struct ShootArgs {
     /// The directions of the rays, if RAYS has only their origins
     pub(crate) directions: Option<PathBuf>,
     /// Where a sensor is: a ray goes from there to each point of RAYS, where its t is 1
-    #[arg(
-        long,
-        value_name = "X,Y,Z",
-        value_parser = values::vector,
-        allow_hyphen_values = true,
-        conflicts_with = "directions",
-    )]
+    #[arg(long, value_name = "X,Y,Z", value_parser = values::vector, conflicts_with = "directions")]
     pub(crate) from: Option<DVec3>,
     /// Where to write: .npz, .npy (one channel), .csv, .ply or .pcd (a point cloud of what was
     /// hit), - for standard output; may be given several times [default: - as CSV]
@@ -54,10 +48,10 @@ pub(crate) struct ShootArgs {
     pub(crate) channels: Vec<String>,
     /// Hits have a t above this. With a negative one, rays also meet the surface that they start on
     /// [default: 0]
-    #[arg(long, value_name = "T", value_parser = values::t_min, allow_hyphen_values = true)]
+    #[arg(long, value_name = "T", value_parser = values::t_min)]
     pub(crate) t_min: Option<f64>,
     /// Hits have a t up to this, itself included [default: inf]
-    #[arg(long, value_name = "T", value_parser = values::t_max, allow_hyphen_values = true)]
+    #[arg(long, value_name = "T", value_parser = values::t_max)]
     pub(crate) t_max: Option<f64>,
     /// The side of surfaces that rays pass through: the front is where the normal points
     #[arg(long, value_name = "SIDE")]
@@ -72,7 +66,6 @@ pub(crate) struct ShootArgs {
         long,
         value_name = "K",
         value_parser = clap::value_parser!(u32).range(1..),
-        allow_hyphen_values = true,
         conflicts_with = "all",
     )]
     pub(crate) nearest: Option<u32>,
@@ -122,20 +115,10 @@ pub(crate) struct NearestArgs {
     pub(crate) format: Option<StreamFormat>,
     /// How many nearest points each point gets, each of another object or primitive; a channel says
     /// for which point each is [default: 1]
-    #[arg(
-        long,
-        value_name = "N",
-        value_parser = clap::value_parser!(u32).range(1..),
-        allow_hyphen_values = true,
-    )]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     pub(crate) count: Option<u32>,
     /// The largest distance that counts, itself included [default: inf]
-    #[arg(
-        long,
-        value_name = "LENGTH",
-        value_parser = values::tolerance,
-        allow_hyphen_values = true,
-    )]
+    #[arg(long, value_name = "LENGTH", value_parser = values::tolerance)]
     pub(crate) radius: Option<f64>,
     /// Make distances negative inside. All objects must be closed
     #[arg(long, conflicts_with_all = ["count", "radius"])]
@@ -190,17 +173,11 @@ pub(crate) struct ListArgs {
 #[derive(Debug, Args)]
 pub(crate) struct VisibleArgs {
     /// Where a sensor is: whether each point is seen from there, in place of pairs of points
-    #[arg(long, value_name = "X,Y,Z", value_parser = values::vector, allow_hyphen_values = true)]
+    #[arg(long, value_name = "X,Y,Z", value_parser = values::vector)]
     pub(crate) from: Option<DVec3>,
     /// Let surfaces nearer to either point than this hide nothing, in scene units: the error of
     /// points that are rounded, as to float32
-    #[arg(
-        long,
-        value_name = "DISTANCE",
-        value_parser = values::tolerance,
-        default_value_t = 0.0,
-        allow_hyphen_values = true,
-    )]
+    #[arg(long, value_name = "DISTANCE", value_parser = values::tolerance, default_value_t = 0.0)]
     pub(crate) tolerance: f64,
     #[command(flatten)]
     pub(crate) list: ListArgs,
@@ -259,7 +236,7 @@ pub(crate) struct DiffArgs {
     pub(crate) b: PathBuf,
     /// Numbers that differ by no more than this are equal; identifiers must be the same [default:
     /// 0]
-    #[arg(long, value_name = "X", value_parser = values::tolerance, allow_hyphen_values = true)]
+    #[arg(long, value_name = "X", value_parser = values::tolerance)]
     pub(crate) tolerance: Option<f64>,
     /// The channels to compare, with commas between [default: all of both files]
     #[arg(
@@ -282,10 +259,10 @@ pub(crate) struct SectionArgs {
     /// The 3D file: glTF, GLB, OBJ, PLY, STL, OFF or FHS, or a scene file (TOML)
     pub(crate) file: PathBuf,
     /// A point of the plane [default: the middle of the model]
-    #[arg(long, value_name = "X,Y,Z", value_parser = values::vector, allow_hyphen_values = true)]
+    #[arg(long, value_name = "X,Y,Z", value_parser = values::vector)]
     pub(crate) origin: Option<DVec3>,
     /// The direction at right angles to the plane, of any length [default: the model's up]
-    #[arg(long, value_name = "X,Y,Z", value_parser = values::vector, allow_hyphen_values = true)]
+    #[arg(long, value_name = "X,Y,Z", value_parser = values::vector)]
     pub(crate) normal: Option<DVec3>,
     /// Where to write: .svg (a drawing), .dxf (for CAD) or .json (all numbers); may be given
     /// several times [default: none, only what the section comes to is printed]
@@ -314,7 +291,7 @@ pub(crate) struct LintArgs {
     #[arg(short, long, value_name = "FILE")]
     pub(crate) output: Option<PathBuf>,
     /// How many places of each kind are listed [default: 3, or 100 with --json]
-    #[arg(long, value_name = "N", allow_hyphen_values = true)]
+    #[arg(long, value_name = "N")]
     pub(crate) places: Option<u32>,
     /// Print JSON: is_clean, checked (the kinds), files (file, is_clean, findings), warnings. A
     /// finding has kind, count, of, note and places. A place has object, name, primitive (null if
@@ -322,12 +299,7 @@ pub(crate) struct LintArgs {
     #[arg(long)]
     pub(crate) json: bool,
     /// The number of threads; the result is the same for any [default: all cores]
-    #[arg(
-        long,
-        value_name = "N",
-        value_parser = clap::value_parser!(u16).range(1..=1024),
-        allow_hyphen_values = true,
-    )]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub(crate) threads: Option<u16>,
     #[command(flatten)]
     pub(crate) trees: TreeArgs,
@@ -345,25 +317,20 @@ pub(crate) struct ProbeArgs {
     pub(crate) file: PathBuf,
     /// The pixel through whose centre the ray goes: its row from the top and its column from the
     /// left, both from 0. The picture is that of firsthit render with the same options
-    #[arg(
-        long,
-        value_name = "ROW,COLUMN",
-        value_parser = values::pixel,
-        allow_hyphen_values = true,
-    )]
+    #[arg(long, value_name = "ROW,COLUMN", value_parser = values::pixel)]
     pub(crate) pixel: Option<[usize; 2]>,
     /// The ray itself, OX,OY,OZ,DX,DY,DZ: its origin and its direction, of any length
-    #[arg(long, value_name = "RAY", value_parser = values::ray, allow_hyphen_values = true,
+    #[arg(long, value_name = "RAY", value_parser = values::ray,
         conflicts_with_all = ["camera", "colmap", "image", "view", "position", "aim", "look_at", "up", "fov", "fov_axis", "focal_length",
         "viewplane", "aperture", "focus", "intrinsics", "pose", "convention", "projection", "parameters", "orthographic",
         "ray_start", "size"])]
     pub(crate) ray: Option<(DVec3, DVec3)>,
     /// Hits have a t above this. With a negative one, the ray also meets what is behind its start
     /// [default: 0]
-    #[arg(long, value_name = "T", value_parser = values::t_min, allow_hyphen_values = true)]
+    #[arg(long, value_name = "T", value_parser = values::t_min)]
     pub(crate) t_min: Option<f64>,
     /// Hits have a t up to this, itself included [default: inf]
-    #[arg(long, value_name = "T", value_parser = values::t_max, allow_hyphen_values = true)]
+    #[arg(long, value_name = "T", value_parser = values::t_max)]
     pub(crate) t_max: Option<f64>,
     /// The side of surfaces that the ray passes through: the front is where the normal points
     #[arg(long, value_name = "SIDE")]
@@ -376,12 +343,7 @@ pub(crate) struct ProbeArgs {
     #[arg(long)]
     pub(crate) json: bool,
     /// The number of threads; the result is the same for any [default: all cores]
-    #[arg(
-        long,
-        value_name = "N",
-        value_parser = clap::value_parser!(u16).range(1..=1024),
-        allow_hyphen_values = true,
-    )]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub(crate) threads: Option<u16>,
     #[command(flatten)]
     pub(crate) camera: CameraArgs,
@@ -403,12 +365,7 @@ pub(crate) struct ViewArgs {
     pub(crate) output: Option<PathBuf>,
     /// The port on 127.0.0.1 to listen on. To look from another machine: ssh -L PORT:127.0.0.1:PORT
     /// [default: one that is free]
-    #[arg(
-        long,
-        value_name = "N",
-        value_parser = clap::value_parser!(u16).range(1..),
-        allow_hyphen_values = true,
-    )]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
     pub(crate) port: Option<u16>,
     /// Print the page's address, and open no browser
     #[arg(long)]
@@ -417,12 +374,7 @@ pub(crate) struct ViewArgs {
     #[arg(long)]
     pub(crate) keep: bool,
     /// The number of threads [default: all cores]
-    #[arg(
-        long,
-        value_name = "N",
-        value_parser = clap::value_parser!(u16).range(1..=1024),
-        allow_hyphen_values = true,
-    )]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub(crate) threads: Option<u16>,
     #[command(flatten)]
     pub(crate) camera: CameraArgs,

@@ -18,13 +18,7 @@ pub(crate) struct LoadArgs {
     /// The memory that the file's content may take once it is unpacked, in bytes, or with K, M, G
     /// or T for powers of
     /// 1024. What the content describes may take 256 times its size, plus 1/256 of this limit
-    #[arg(
-        long,
-        value_name = "SIZE",
-        value_parser = values::memory,
-        default_value = "8G",
-        allow_hyphen_values = true,
-    )]
+    #[arg(long, value_name = "SIZE", value_parser = values::memory, default_value = "8G")]
     pub(crate) max_memory: u64,
     /// The largest width and height of a texture, in texels. The texture may take SIDE x SIDE bytes
     /// in all, at four bytes a texel
@@ -33,7 +27,6 @@ pub(crate) struct LoadArgs {
         value_name = "SIDE",
         value_parser = clap::value_parser!(u32).range(1..=1 << 20),
         default_value = "16384",
-        allow_hyphen_values = true,
     )]
     pub(crate) max_texture: u32,
     /// The unit of a mesh file's or a model's lengths, um, mm, cm, m, km, in or ft: they become
@@ -41,7 +34,7 @@ pub(crate) struct LoadArgs {
     #[arg(long, value_name = "UNIT", value_parser = values::unit(), conflicts_with = "scale")]
     pub(crate) units: Option<f64>,
     /// The factor of all lengths of a mesh file or a model
-    #[arg(long, value_name = "FACTOR", value_parser = values::factor, allow_hyphen_values = true)]
+    #[arg(long, value_name = "FACTOR", value_parser = values::factor)]
     pub(crate) scale: Option<f64>,
     /// A folder whose files the file may name, as textures, beside those of its own folder; may be
     /// given several times. What is not found by its whole name is looked for by the last part of
@@ -93,7 +86,7 @@ pub(crate) struct PickArgs {
     pub(crate) only: Vec<String>,
     /// Take translucent surfaces of meshes (alpha mode BLEND of glTF) as cut out: where alpha is
     /// below this number from 0 to 1 nothing is there, and elsewhere they are opaque
-    #[arg(long, value_name = "ALPHA", value_parser = values::share, allow_hyphen_values = true)]
+    #[arg(long, value_name = "ALPHA", value_parser = values::share)]
     pub(crate) blend_below: Option<f64>,
 }
 
@@ -113,12 +106,7 @@ pub(crate) struct VerbosityArgs {
 #[command(next_help_heading = "General")]
 pub(crate) struct RunArgs {
     /// The number of threads; the result is the same for any [default: all cores]
-    #[arg(
-        long,
-        value_name = "N",
-        value_parser = clap::value_parser!(u16).range(1..=1024),
-        allow_hyphen_values = true,
-    )]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub(crate) threads: Option<u16>,
     /// Report the run and its warnings as one JSON object: on standard output, or on standard error
     /// if the results go to standard output

@@ -52,24 +52,19 @@ pub(crate) struct ScannerArgs {
     )]
     pub(crate) lidar: Option<LidarModel>,
     /// A head that turns, with N lasers from LOW to HIGH degrees above level
-    #[arg(
-        long,
-        value_name = "LOW,HIGH,N",
-        value_parser = values::elevations,
-        allow_hyphen_values = true,
-    )]
+    #[arg(long, value_name = "LOW,HIGH,N", value_parser = values::elevations)]
     pub(crate) elevations: Option<values::Elevations>,
     /// Rows and columns of equal angles ahead, H degrees wide and V degrees high, with --rows and
     /// --columns
-    #[arg(long, value_name = "H,V", value_parser = values::pair, allow_hyphen_values = true)]
+    #[arg(long, value_name = "H,V", value_parser = values::pair)]
     pub(crate) raster: Option<[f64; 2]>,
     /// Two prisms that turn, whose beam draws a rose in a circle of FOV degrees, with
     /// --frequencies, --points and --point-rate
-    #[arg(long, value_name = "FOV", value_parser = values::finite, allow_hyphen_values = true)]
+    #[arg(long, value_name = "FOV", value_parser = values::finite)]
     pub(crate) rosette: Option<f64>,
     /// A mirror that swings about two axes, H degrees wide and V degrees high, with --frequencies,
     /// --points and --point-rate
-    #[arg(long, value_name = "H,V", value_parser = values::pair, allow_hyphen_values = true)]
+    #[arg(long, value_name = "H,V", value_parser = values::pair)]
     pub(crate) lissajous: Option<[f64; 2]>,
     /// A table of beams (CSV): the columns azimuth and elevation in degrees and, where there are
     /// some, time in seconds and ring
@@ -77,22 +72,22 @@ pub(crate) struct ScannerArgs {
     pub(crate) pattern: Option<PathBuf>,
     /// How often each laser fires in a turn [default: as often as the scanner of --lidar does, else
     /// 1024]; with --raster: points across, without a default
-    #[arg(long, value_name = "N", value_parser = values::count, allow_hyphen_values = true)]
+    #[arg(long, value_name = "N", value_parser = values::count)]
     pub(crate) columns: Option<usize>,
     /// Turns in a second, or pictures of a raster [default: 10]
-    #[arg(long, value_name = "HZ", value_parser = values::positive, allow_hyphen_values = true)]
+    #[arg(long, value_name = "HZ", value_parser = values::positive)]
     pub(crate) rate: Option<f64>,
     /// With --elevations: where the head starts to turn [default: 180, behind]
-    #[arg(long, value_name = "DEGREES", value_parser = values::finite, allow_hyphen_values = true)]
+    #[arg(long, value_name = "DEGREES", value_parser = values::finite)]
     pub(crate) azimuth_start: Option<f64>,
     /// With --elevations: where the turn ends [default: -180]
-    #[arg(long, value_name = "DEGREES", value_parser = values::finite, allow_hyphen_values = true)]
+    #[arg(long, value_name = "DEGREES", value_parser = values::finite)]
     pub(crate) azimuth_end: Option<f64>,
     /// With --elevations: which way the head turns, seen from above [default: clockwise]
     #[arg(long, value_name = "TURN", value_parser = named::<Turn>(Turn::NAMES))]
     pub(crate) direction: Option<Turn>,
     /// With --raster: points down
-    #[arg(long, value_name = "N", value_parser = values::count, allow_hyphen_values = true)]
+    #[arg(long, value_name = "N", value_parser = values::count)]
     pub(crate) rows: Option<usize>,
     /// With --raster: scan every other row from the right
     #[arg(long)]
@@ -102,35 +97,29 @@ pub(crate) struct ScannerArgs {
     pub(crate) flash: bool,
     /// Turns of the prisms, or swings of the mirror, in a second; a prism with a negative number
     /// turns the other way
-    #[arg(long, value_name = "F1,F2", value_parser = values::pair, allow_hyphen_values = true)]
+    #[arg(long, value_name = "F1,F2", value_parser = values::pair)]
     pub(crate) frequencies: Option<[f64; 2]>,
     /// How many points a turn has
-    #[arg(long, value_name = "N", value_parser = values::count, allow_hyphen_values = true)]
+    #[arg(long, value_name = "N", value_parser = values::count)]
     pub(crate) points: Option<usize>,
     /// Points in a second
-    #[arg(long, value_name = "HZ", value_parser = values::positive, allow_hyphen_values = true)]
+    #[arg(long, value_name = "HZ", value_parser = values::positive)]
     pub(crate) point_rate: Option<f64>,
     /// With --rosette: the first prism's share of the deflection, from 0 to 1 [default: 0.5]
-    #[arg(long, value_name = "SHARE", value_parser = values::share, allow_hyphen_values = true)]
+    #[arg(long, value_name = "SHARE", value_parser = values::share)]
     pub(crate) share: Option<f64>,
     /// With --lissajous: the phase of the upward swing at the time 0 [default: 90]
-    #[arg(long, value_name = "DEGREES", value_parser = values::finite, allow_hyphen_values = true)]
+    #[arg(long, value_name = "DEGREES", value_parser = values::finite)]
     pub(crate) phase: Option<f64>,
     /// The time of the first firing [default: the trajectory's first time, else 0]
-    #[arg(long, value_name = "SECONDS", value_parser = values::finite, allow_hyphen_values = true)]
+    #[arg(long, value_name = "SECONDS", value_parser = values::finite)]
     pub(crate) start: Option<f64>,
     /// How often the head turns, or how many pictures a raster has, or how often the --points of a
     /// rose or a Lissajous figure follow [default: as often as fits into the trajectory, else once]
-    #[arg(long, value_name = "N", value_parser = values::count, allow_hyphen_values = true)]
+    #[arg(long, value_name = "N", value_parser = values::count)]
     pub(crate) turns: Option<usize>,
     /// As many whole turns as fit into this time
-    #[arg(
-        long,
-        value_name = "SECONDS",
-        value_parser = values::positive,
-        allow_hyphen_values = true,
-        conflicts_with = "turns",
-    )]
+    #[arg(long, value_name = "SECONDS", value_parser = values::positive, conflicts_with = "turns")]
     pub(crate) duration: Option<f64>,
 }
 
@@ -139,15 +128,15 @@ pub(crate) struct ScannerArgs {
 pub(crate) struct PlaceArgs {
     /// Where the scanner is, in scene units; with --trajectory in the body's coordinates [default:
     /// the origin]
-    #[arg(long, value_name = "X,Y,Z", value_parser = values::vector, allow_hyphen_values = true)]
+    #[arg(long, value_name = "X,Y,Z", value_parser = values::vector)]
     pub(crate) position: Option<DVec3>,
     /// The direction that is forwards, azimuth 0 [default: 1,0,0, or 0,1,0 where up is along x]
-    #[arg(long, value_name = "X,Y,Z", value_parser = values::vector, allow_hyphen_values = true)]
+    #[arg(long, value_name = "X,Y,Z", value_parser = values::vector)]
     pub(crate) aim: Option<DVec3>,
     /// The direction that is upwards, as far as --aim allows [default: as the 3D file says; OBJ has
     /// 0,1,0 and PLY and STL have 0,0,1, unless the model clearly stands on a flat base along the
     /// other of the two]
-    #[arg(long, value_name = "X,Y,Z", value_parser = values::vector, allow_hyphen_values = true)]
+    #[arg(long, value_name = "X,Y,Z", value_parser = values::vector)]
     pub(crate) up: Option<DVec3>,
     /// A text file with the 3 x 4 or 4 x 4 matrix that takes the scanner's coordinates (forwards,
     /// left, up) to the world's, or with --trajectory to the body's: row by row, with blanks or
@@ -207,40 +196,22 @@ pub(crate) struct ReturnsArgs {
     )]
     pub(crate) returns: Returns,
     /// With --returns all: how many of a beam, the nearest [default: all]
-    #[arg(long, value_name = "N", value_parser = values::count, allow_hyphen_values = true)]
+    #[arg(long, value_name = "N", value_parser = values::count)]
     pub(crate) max_returns: Option<usize>,
     /// The full angle of a beam's cone, such as 0.003 [default: a beam is a line]
-    #[arg(long, value_name = "RADIANS", value_parser = values::finite, allow_hyphen_values = true)]
+    #[arg(long, value_name = "RADIANS", value_parser = values::finite)]
     pub(crate) divergence: Option<f64>,
     /// How many lines fill the cone of --divergence [default: 16]
-    #[arg(
-        long,
-        value_name = "N",
-        value_parser = values::count,
-        allow_hyphen_values = true,
-        requires = "divergence",
-    )]
+    #[arg(long, value_name = "N", value_parser = values::count, requires = "divergence")]
     pub(crate) subrays: Option<usize>,
     /// Hits up to this far behind the nearest of a return belong to it, in scene units
-    #[arg(
-        long,
-        value_name = "LENGTH",
-        value_parser = values::finite,
-        default_value = "0",
-        allow_hyphen_values = true,
-    )]
+    #[arg(long, value_name = "LENGTH", value_parser = values::finite, default_value = "0")]
     pub(crate) range_gate: f64,
     /// Ranges are longer than this, and what is nearer blocks its line, in scene units
-    #[arg(
-        long,
-        value_name = "LENGTH",
-        value_parser = values::finite,
-        default_value = "0",
-        allow_hyphen_values = true,
-    )]
+    #[arg(long, value_name = "LENGTH", value_parser = values::finite, default_value = "0")]
     pub(crate) min_range: f64,
     /// The longest range, in scene units [default: no limit]
-    #[arg(long, value_name = "LENGTH", value_parser = values::finite, allow_hyphen_values = true)]
+    #[arg(long, value_name = "LENGTH", value_parser = values::finite)]
     pub(crate) max_range: Option<f64>,
     /// Add an intensity: the surface's luminance times the cosine of incidence
     #[arg(long)]
@@ -259,22 +230,12 @@ pub(crate) struct ReturnsArgs {
     pub(crate) classes: Vec<(String, u8)>,
     /// The standard deviation of ranges: SIGMA in scene units, plus SHARE of the range; needs
     /// --seed
-    #[arg(
-        long,
-        value_name = "SIGMA[,SHARE]",
-        value_parser = values::noise,
-        allow_hyphen_values = true,
-    )]
+    #[arg(long, value_name = "SIGMA[,SHARE]", value_parser = values::noise)]
     pub(crate) noise: Option<[f64; 2]>,
     /// The probability that a return is lost, from 0 to 1; needs --seed
-    #[arg(long, value_name = "SHARE", value_parser = values::share, allow_hyphen_values = true)]
+    #[arg(long, value_name = "SHARE", value_parser = values::share)]
     pub(crate) dropout: Option<f64>,
     /// The seed of --noise and --dropout; turn k, from 0, has the seed N + k
-    #[arg(
-        long,
-        value_name = "N",
-        value_parser = clap::value_parser!(u64).range(..1 << 63),
-        allow_hyphen_values = true,
-    )]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(..1 << 63))]
     pub(crate) seed: Option<u64>,
 }
