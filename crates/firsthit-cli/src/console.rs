@@ -80,7 +80,7 @@ pub(crate) fn kept_warnings() -> Vec<String> {
 }
 
 /// Prints the report: `done`, with the warnings added.
-pub(crate) fn end_report(mut done: Value) -> std::io::Result<()> {
+pub(crate) fn end_report(mut done: Value) -> Result<(), Failure> {
     let Some(Report { warnings, is_beside_data }) = with_report(Option::take) else {
         return Ok(());
     };
@@ -91,7 +91,8 @@ pub(crate) fn end_report(mut done: Value) -> std::io::Result<()> {
         say(json_text(&done));
         return Ok(());
     }
-    writeln!(std::io::stdout().lock(), "{}", json_text(&done))
+    let written = writeln!(std::io::stdout().lock(), "{}", json_text(&done));
+    written.map_err(|error| Failure::stdout(&error))
 }
 
 /// Prints the report of a failure. Returns whether it went to standard error, where it replaces the

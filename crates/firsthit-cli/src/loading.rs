@@ -9,7 +9,7 @@ use firsthit::world::World;
 use firsthit::{Color, Object, Scene};
 use rayon::{ThreadPool, ThreadPoolBuilder};
 
-use crate::args::{LoadArgs, PickArgs, RunArgs};
+use crate::args::{LoadArgs, PickArgs, SceneArgs};
 use crate::failure::Failure;
 use crate::progress::Progress;
 
@@ -28,15 +28,24 @@ pub(crate) struct Loaded {
 /// The build settings of a command that shoots no rays, if it builds any trees.
 pub(crate) const NO_RAYS: BuildSettings = BuildSettings { build: Build::Auto, rays: Some(0) };
 
-/// Reads a 3D file; `neutral` is the colour of objects that have none.
+/// Reads a 3D file.
 pub(crate) fn read(
     path: &Path,
     args: &LoadArgs,
     build: BuildSettings,
-    neutral: Option<Color>,
     progress: &Progress,
 ) -> Result<Loaded, Failure> {
-    read_with(path, &settings(path, args), |_| build, neutral, progress)
+    read_with(path, &settings(path, args), |_| build, None, progress)
+}
+
+/// Reads a 3D file that about so many rays are shot at, and picks its objects.
+pub(crate) fn read_picked(
+    path: &Path,
+    args: &SceneArgs,
+    rays: Option<u64>,
+    progress: &Progress,
+) -> Result<Loaded, Failure> {
+    read(path, &args.load, args.trees.settings(rays), progress)?.picked(&args.pick)
 }
 
 /// The settings of the arguments for the file at `path`.
@@ -60,8 +69,8 @@ pub(crate) fn settings(path: &Path, args: &LoadArgs) -> LoadSettings {
     }
 }
 
-/// Reads a file with settings that are no arguments. The build settings may depend on the file's
-/// world.
+/// Reads a file with settings that are no arguments; `neutral` is the colour of objects that have
+/// none. The build settings may depend on the file's world.
 pub(crate) fn read_with(
     path: &Path,
     settings: &LoadSettings,
@@ -162,27 +171,12 @@ pub(crate) fn called(objects: &[Object], name: &str) -> Result<Vec<usize>, Failu
     }
 }
 
-/// Runs `work` with as many threads as asked for.
-pub(crate) fn with_threads<T: Send>(
-    args: &RunArgs,
-    work: impl FnOnce() -> Result<T, Failure> + Send,
-) -> Result<T, Failure> {
-    with_count(args.threads, work)
-}
-
 /// Runs `work` with that many threads, or with all cores.
-pub(crate) fn with_count<T: Send>(
+pub(crate) fn with_threads<T: Send>(
     threads: Option<u16>,
     work: impl FnOnce() -> Result<T, Failure> + Send,
 ) -> Result<T, Failure> {
     pool(threads.map(usize::from))?.install(work)
-}
-
-/// Runs `work` with all cores.
-pub(crate) fn with_all_cores<T: Send>(
-    work: impl FnOnce() -> Result<T, Failure> + Send,
-) -> Result<T, Failure> {
-    pool(None)?.install(work)
 }
 
 /// Has all threads of the program share that many, or all cores.

@@ -9,7 +9,7 @@ use firsthit::{Background, Color};
 use crate::environment::{self, EnvironmentArg};
 use crate::values::{self, LightArg, Sky};
 
-#[derive(Debug, Args)]
+#[derive(Debug, Default, PartialEq, Args)]
 #[command(next_help_heading = "Colour and light (COLOR: see below)")]
 #[expect(clippy::struct_excessive_bools, reason = "each is an option")]
 pub(crate) struct LightingArgs {
@@ -75,7 +75,7 @@ pub(crate) struct LightingArgs {
 }
 
 /// Lines along edges.
-#[derive(Debug, Args)]
+#[derive(Debug, Default, PartialEq, Args)]
 #[command(next_help_heading = "Edges")]
 pub(crate) struct EdgeArgs {
     /// Draw lines along edges over the colours, of this width in pixels; below 1 they are fainter.
@@ -118,21 +118,6 @@ pub(crate) struct EdgeArgs {
     pub(crate) no_edges: bool,
 }
 
-impl EdgeArgs {
-    /// The options, and whether each is given.
-    pub(crate) fn given(&self) -> [(&'static str, bool); 7] {
-        [
-            ("--edges", self.edges.is_some()),
-            ("--edge-kinds", self.edge_kinds.is_some()),
-            ("--edge-angle", self.edge_angle.is_some()),
-            ("--edge-color", self.edge_color.is_some()),
-            ("--hidden-edges", self.hidden_edges.is_some()),
-            ("--wireframe", self.wireframe),
-            ("--no-edges", self.no_edges),
-        ]
-    }
-}
-
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Colours by numbers")]
 #[expect(clippy::struct_field_names, reason = "as the options are called")]
@@ -157,18 +142,4 @@ pub(crate) struct ColorsArgs {
     /// The colour where there is no number [default: the surface's own]
     #[arg(long, value_name = "COLOR", value_parser = values::color)]
     pub(crate) color_missing: Option<Color>,
-}
-
-impl ColorsArgs {
-    /// The options, and whether each is given.
-    pub(crate) fn given(&self) -> [(&'static str, bool); 6] {
-        [
-            ("--color-by", self.color_by.is_some()),
-            ("--color-map", self.color_map.is_some()),
-            ("--color-range", self.color_range.is_some()),
-            ("--color-below", self.color_below.is_some()),
-            ("--color-above", self.color_above.is_some()),
-            ("--color-missing", self.color_missing.is_some()),
-        ]
-    }
 }

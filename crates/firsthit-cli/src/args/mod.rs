@@ -6,6 +6,7 @@
 )]
 
 mod camera;
+mod given;
 mod look;
 mod picture;
 mod queries;
@@ -13,13 +14,14 @@ mod run;
 mod scan;
 
 pub(crate) use camera::CameraArgs;
+pub(crate) use given::Given;
 pub(crate) use look::{ColorsArgs, EdgeArgs, LightingArgs};
 pub(crate) use picture::{DemoArgs, DisplayArgs, FileArgs, RenderArgs};
 pub(crate) use queries::{
     BuildArgs, DiffArgs, InPythonArgs, InfoArgs, LintArgs, ListArgs, NearestArgs, ProbeArgs,
     SectionArgs, ShootArgs, SolidArgs, StreamFormat, ViewArgs, VisibleArgs,
 };
-pub(crate) use run::{CulledSide, LoadArgs, PickArgs, RunArgs, TreeArgs, VerbosityArgs};
+pub(crate) use run::{CulledSide, LoadArgs, PickArgs, RunArgs, SceneArgs, TreeArgs, VerbosityArgs};
 pub(crate) use scan::{PlaceArgs, ScanArgs, ScannerArgs};
 
 use clap::{Arg, Parser, Subcommand, ValueHint};

@@ -7,8 +7,7 @@ use firsthit::ToneMap;
 use firsthit::image::Far;
 
 use super::{
-    CameraArgs, ColorsArgs, CulledSide, EdgeArgs, LightingArgs, LoadArgs, PickArgs, RunArgs,
-    TreeArgs,
+    CameraArgs, ColorsArgs, CulledSide, EdgeArgs, Given, LightingArgs, RunArgs, SceneArgs,
 };
 use crate::completion::ChannelNames;
 use crate::help;
@@ -18,6 +17,8 @@ use crate::values;
 #[derive(Debug, Args)]
 #[command(after_help = help::render())]
 pub(crate) struct RenderArgs {
+    #[command(flatten)]
+    pub(crate) given: Given,
     /// The 3D file: glTF, GLB, OBJ, PLY, STL, OFF or FHS, or a scene file (TOML)
     pub(crate) file: PathBuf,
     #[command(flatten)]
@@ -35,11 +36,7 @@ pub(crate) struct RenderArgs {
     #[arg(long, value_name = "SIDE")]
     pub(crate) cull: Option<CulledSide>,
     #[command(flatten)]
-    pub(crate) pick: PickArgs,
-    #[command(flatten)]
-    pub(crate) trees: TreeArgs,
-    #[command(flatten)]
-    pub(crate) load: LoadArgs,
+    pub(crate) scene: SceneArgs,
     #[command(flatten)]
     pub(crate) run: RunArgs,
 }
@@ -148,6 +145,8 @@ pub(crate) struct DisplayArgs {
 #[derive(Debug, Args)]
 #[command(after_help = help::DEMO_EXAMPLES)]
 pub(crate) struct DemoArgs {
+    #[command(flatten)]
+    pub(crate) given: Given,
     /// Columns and rows of pixels
     #[arg(
         long,

@@ -7,7 +7,7 @@ use firsthit::DVec3;
 use firsthit::measure::FillRule;
 
 use super::look::{ColorsArgs, LightingArgs};
-use super::{CameraArgs, CulledSide, LoadArgs, PickArgs, RunArgs, TreeArgs};
+use super::{CameraArgs, CulledSide, Given, LoadArgs, PickArgs, RunArgs, SceneArgs, TreeArgs};
 use crate::completion::ChannelNames;
 use crate::help;
 use crate::output::ChannelSource;
@@ -70,11 +70,7 @@ pub(crate) struct ShootArgs {
     )]
     pub(crate) nearest: Option<u32>,
     #[command(flatten)]
-    pub(crate) pick: PickArgs,
-    #[command(flatten)]
-    pub(crate) trees: TreeArgs,
-    #[command(flatten)]
-    pub(crate) load: LoadArgs,
+    pub(crate) scene: SceneArgs,
     #[command(flatten)]
     pub(crate) run: RunArgs,
 }
@@ -136,11 +132,7 @@ pub(crate) struct NearestArgs {
     )]
     pub(crate) rule: Option<FillRule>,
     #[command(flatten)]
-    pub(crate) pick: PickArgs,
-    #[command(flatten)]
-    pub(crate) trees: TreeArgs,
-    #[command(flatten)]
-    pub(crate) load: LoadArgs,
+    pub(crate) scene: SceneArgs,
     #[command(flatten)]
     pub(crate) run: RunArgs,
 }
@@ -161,11 +153,7 @@ pub(crate) struct ListArgs {
     #[arg(long, value_name = "FORMAT")]
     pub(crate) format: Option<StreamFormat>,
     #[command(flatten)]
-    pub(crate) pick: PickArgs,
-    #[command(flatten)]
-    pub(crate) trees: TreeArgs,
-    #[command(flatten)]
-    pub(crate) load: LoadArgs,
+    pub(crate) scene: SceneArgs,
     #[command(flatten)]
     pub(crate) run: RunArgs,
 }
@@ -348,15 +336,13 @@ pub(crate) struct ProbeArgs {
     #[command(flatten)]
     pub(crate) camera: CameraArgs,
     #[command(flatten)]
-    pub(crate) pick: PickArgs,
-    #[command(flatten)]
-    pub(crate) trees: TreeArgs,
-    #[command(flatten)]
-    pub(crate) load: LoadArgs,
+    pub(crate) scene: SceneArgs,
 }
 
 #[derive(Debug, Args)]
 pub(crate) struct ViewArgs {
+    #[command(flatten)]
+    pub(crate) given: Given,
     /// The 3D file: glTF, GLB, OBJ, PLY, STL, OFF or FHS, or a scene file (TOML)
     pub(crate) file: PathBuf,
     /// Write the page to this file, part.html, with the scene inside, and serve nothing. Browsers
@@ -383,11 +369,7 @@ pub(crate) struct ViewArgs {
     #[command(flatten)]
     pub(crate) colors: ColorsArgs,
     #[command(flatten)]
-    pub(crate) pick: PickArgs,
-    #[command(flatten)]
-    pub(crate) trees: TreeArgs,
-    #[command(flatten)]
-    pub(crate) load: LoadArgs,
+    pub(crate) scene: SceneArgs,
 }
 
 /// The arguments of a command that is written in Python, which alone understands them.

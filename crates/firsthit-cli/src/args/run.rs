@@ -90,6 +90,17 @@ pub(crate) struct PickArgs {
     pub(crate) blend_below: Option<f64>,
 }
 
+/// Options of a scene that is asked: how its file is read, what of it, and how trees are built.
+#[derive(Debug, Args)]
+pub(crate) struct SceneArgs {
+    #[command(flatten)]
+    pub(crate) pick: PickArgs,
+    #[command(flatten)]
+    pub(crate) trees: TreeArgs,
+    #[command(flatten)]
+    pub(crate) load: LoadArgs,
+}
+
 /// How much is said on standard error: options of every command.
 #[derive(Debug, Args)]
 #[command(next_help_heading = "General")]

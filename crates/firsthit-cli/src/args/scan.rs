@@ -9,7 +9,7 @@ use firsthit::scan::{Returns, Rings};
 use firsthit::sensor::{LidarModel, Turn};
 use firsthit::trajectory::{BodyAxes, Extrapolation, Interpolation, TrajectoryFormat};
 
-use super::{LoadArgs, RunArgs};
+use super::{Given, LoadArgs, RunArgs};
 use crate::help;
 use crate::values::{self, named};
 
@@ -19,6 +19,8 @@ use crate::values::{self, named};
     override_usage = "firsthit scan [OPTIONS] <SCANNER> <FILE>",
 )]
 pub(crate) struct ScanArgs {
+    #[command(flatten)]
+    pub(crate) given: Given,
     /// The 3D file: glTF, GLB, OBJ, PLY, STL, OFF or FHS, or a scene file (TOML)
     pub(crate) file: PathBuf,
     #[command(flatten)]

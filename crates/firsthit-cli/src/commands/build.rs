@@ -24,9 +24,8 @@ pub(crate) fn run(args: &BuildArgs, progress: &Progress) -> Result<(), Failure> 
     }
     inputs::note(&args.file);
     output::check_other(path, &[])?;
-    with_threads(&args.run, || {
-        let loaded =
-            loading::read(&args.file, &args.load, BuildSettings::default(), None, progress)?;
+    with_threads(args.run.threads, || {
+        let loaded = loading::read(&args.file, &args.load, BuildSettings::default(), progress)?;
         output::check_other(path, &[])?;
         warn(&loaded.warnings);
         let scene = &loaded.scene;
@@ -41,7 +40,7 @@ pub(crate) fn run(args: &BuildArgs, progress: &Progress) -> Result<(), Failure> 
                 "triangles": scene.triangles(),
                 "seconds": seconds,
             });
-            end_report(done).map_err(|error| Failure::stdout(&error))?;
+            end_report(done)?;
         } else if !is_quiet() {
             say(line(path, scene.triangles(), bytes, seconds));
         }

@@ -23,11 +23,10 @@ pub(crate) fn run(args: &DemoArgs, progress: &Progress) -> Result<(), Failure> {
     let with_channels = |path: &PathBuf| (path.clone(), asked::channels(&args.channels, path));
     let outputs: Vec<_> = outputs.iter().map(with_channels).collect();
     let orders = output::orders(&outputs, is_quiet())?;
-    let samples = [("--samples", args.samples.is_some())];
-    warn(&without_channels(samples, &orders));
+    warn(&without_channels(&args.given, &orders));
     let usual = DisplayTransform::default();
-    let settings = settings(&args.files, (&args.display, usual), &orders);
-    with_threads(&args.run, || {
+    let settings = settings(&args.given, &args.files, (&args.display, usual), &orders);
+    with_threads(args.run.threads, || {
         let scene = example::scene()?;
         let [rows, columns] = args.size;
         let camera = example::camera(rows, columns)?;

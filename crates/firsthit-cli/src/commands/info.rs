@@ -18,7 +18,7 @@ use crate::args::InfoArgs;
 use crate::console::{counted, json_text, print, warn};
 use crate::failure::Failure;
 use crate::hints::{number, span, triple};
-use crate::loading::{self, Loaded, NO_RAYS, has_model_extension, with_all_cores};
+use crate::loading::{self, Loaded, NO_RAYS, has_model_extension, with_threads};
 use crate::progress::Progress;
 
 pub(crate) fn run(args: &InfoArgs, progress: &Progress) -> Result<(), Failure> {
@@ -45,7 +45,7 @@ pub(crate) fn text(args: &InfoArgs, progress: &Progress) -> Result<String, Failu
 fn of_model(args: &InfoArgs, progress: &Progress) -> Result<String, Failure> {
     let settings = LoadSettings { verify: true, ..loading::settings(&args.file, &args.load) };
     let read = || loading::read_with(&args.file, &settings, |_| NO_RAYS, None, progress);
-    let loaded = with_all_cores(read)?;
+    let loaded = with_threads(None, read)?;
     let most = most_listed(args);
     if !args.json {
         warn(&loaded.warnings);
@@ -53,7 +53,7 @@ fn of_model(args: &InfoArgs, progress: &Progress) -> Result<String, Failure> {
     let listed = loaded.scene.objects().iter().take(most);
     let triangles = listed.map(|object| object.triangles() as u64).sum();
     progress.begin("measuring", triangles, "triangles");
-    with_all_cores(|| {
+    with_threads(None, || {
         Ok(if args.json {
             json_text(&as_json(&loaded, most, progress)) + "\n"
         } else {

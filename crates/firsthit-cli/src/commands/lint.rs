@@ -10,7 +10,7 @@ use crate::args::LintArgs;
 use crate::console::{counted, end_report, print, say, warn};
 use crate::failure::{Failure, INTERRUPTED};
 use crate::hints::{self, extent};
-use crate::loading::{self, with_count};
+use crate::loading::{self, with_threads};
 use crate::output;
 use crate::progress::Progress;
 
@@ -24,7 +24,7 @@ pub(crate) fn run(args: &LintArgs, progress: &Progress) -> Result<(), Failure> {
     args.files.iter().for_each(|file| inputs::note(file));
     check_output(args)?;
     let settings = settings(args)?;
-    with_count(args.threads, || {
+    with_threads(args.threads, || {
         let (mut files, mut is_clean) = (Vec::new(), true);
         let mut failed: Option<(u8, String)> = None;
         for file in &args.files {
@@ -60,7 +60,7 @@ pub(crate) fn run(args: &LintArgs, progress: &Progress) -> Result<(), Failure> {
                 done["error"] = json!(message);
                 done["exit_code"] = json!(code);
             }
-            end_report(done).map_err(|error| Failure::stdout(&error))?;
+            end_report(done)?;
         }
         match failed {
             Some((INTERRUPTED, _)) => Err(Error::Interrupted.into()),
@@ -98,7 +98,7 @@ fn check(
     settings: &LintSettings,
     progress: &Progress,
 ) -> Result<(Scene, Report), Failure> {
-    let loaded = loading::read(file, &args.load, args.trees.settings(None), None, progress)?;
+    let loaded = loading::read(file, &args.load, args.trees.settings(None), progress)?;
     warn(&loaded.warnings);
     output::check_files(args.output.as_slice())?;
     let report = lint(&loaded.scene, settings, progress)?;

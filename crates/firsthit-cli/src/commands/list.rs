@@ -45,11 +45,11 @@ pub(super) fn run<const COLUMNS: usize>(
     let inputs = [args.file.as_path(), args.points.as_path()];
     let sinks = Sinks::new(outputs, &inputs, &[kind])?;
     let started = Instant::now();
-    with_threads(&args.run, || {
+    with_threads(args.run.threads, || {
         let list = read(&args.points)?;
-        let trees = args.trees.settings(Some(list.len() as u64 * RAYS));
+        let rays = Some(list.len() as u64 * RAYS);
         let Loaded { scene, warnings, .. } =
-            loading::read(&args.file, &args.load, trees, None, progress)?.picked(&args.pick)?;
+            loading::read_picked(&args.file, &args.scene, rays, progress)?;
         sinks.check()?;
         warn(&warnings);
         let points = list.as_flattened().chunks_exact(3);
@@ -72,7 +72,7 @@ pub(super) fn run<const COLUMNS: usize>(
             done.insert("objects".into(), json!(scene.objects().len()));
             done.insert("triangles".into(), json!(scene.triangles()));
             done.insert("seconds".into(), json!(seconds));
-            end_report(Value::Object(done)).map_err(|error| Failure::stdout(&error))?;
+            end_report(Value::Object(done))?;
         } else if !is_quiet() {
             let (names, asked) = (sinks.names(), counted(list.len() as u64, noun));
             let summary = answers.summary;

@@ -35,12 +35,12 @@ pub(crate) fn run(args: &NearestArgs, progress: &Progress) -> Result<(), Failure
     let sinks = Sinks::new(outputs, &inputs, &kinds)?;
     let sinks = sinks.beside(output::clouds(&args.cloud)?, is_asked)?;
     let started = Instant::now();
-    with_threads(&args.run, || {
+    with_threads(args.run.threads, || {
         let cloud = rays::read_cloud(&args.points)?;
         let points = &cloud.positions;
-        let trees = args.trees.settings(Some(points.len() as u64 * RAYS));
+        let rays = Some(points.len() as u64 * RAYS);
         let Loaded { scene, warnings, .. } =
-            loading::read(&args.file, &args.load, trees, None, progress)?.picked(&args.pick)?;
+            loading::read_picked(&args.file, &args.scene, rays, progress)?;
         sinks.check()?;
         warn(&warnings);
         progress.begin("measuring", work(args, points.len()), "points");
@@ -70,7 +70,7 @@ pub(crate) fn run(args: &NearestArgs, progress: &Progress) -> Result<(), Failure
                 "triangles": scene.triangles(),
                 "seconds": seconds,
             });
-            end_report(done).map_err(|error| Failure::stdout(&error))?;
+            end_report(done)?;
         } else if !is_quiet() {
             let (names, asked) = (sinks.names(), counted(count as u64, "point"));
             let summary =

@@ -8,7 +8,7 @@ use crate::camera::{camera, check, of_file};
 use crate::console::{end_report, print, warn};
 use crate::explanation;
 use crate::failure::Failure;
-use crate::loading::{self, Loaded, with_count};
+use crate::loading::{self, Loaded, with_threads};
 use crate::progress::Progress;
 
 /// An explanation shoots no more rays than this.
@@ -17,10 +17,8 @@ const FEW: u64 = 100;
 pub(crate) fn run(args: &ProbeArgs, progress: &Progress) -> Result<(), Failure> {
     check(&args.camera)?;
     let ends = ends(args.t_min, args.t_max)?;
-    with_count(args.threads, || {
-        let loaded =
-            loading::read(&args.file, &args.load, args.trees.settings(Some(FEW)), None, progress)?
-                .picked(&args.pick)?;
+    with_threads(args.threads, || {
+        let loaded = loading::read_picked(&args.file, &args.scene, Some(FEW), progress)?;
         warn(&loaded.warnings);
         let (explained, guessed) = probe(args, ends, &loaded, progress)?;
         if args.json {
@@ -28,7 +26,7 @@ pub(crate) fn run(args: &ProbeArgs, progress: &Progress) -> Result<(), Failure> 
             if let Some(fields) = done.as_object_mut() {
                 fields.insert("guessed".to_owned(), json!(guessed));
             }
-            return end_report(done).map_err(|error| Failure::stdout(&error));
+            return end_report(done);
         }
         let mut text = explanation::text(&explained, args.all);
         if !guessed.is_empty() {

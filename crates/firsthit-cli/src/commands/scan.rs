@@ -23,14 +23,14 @@ pub(crate) fn run(args: &ScanArgs, progress: &Progress) -> Result<(), Failure> {
     let settings = settings(args)?;
     inputs::note(&args.file);
     output::check_files(&outputs)?;
-    let scanner = Scanner::of(&args.scanner, &args.place)?;
-    with_threads(&args.run, || {
+    let scanner = Scanner::of(&args.given, &args.scanner, &args.place)?;
+    with_threads(args.run.threads, || {
         let [rows, columns] = scanner.shape;
         let columns = columns * scanner.turns;
         let lines = (rows * columns) as u64;
         let lines = lines.saturating_mul(settings.lines() as u64);
         let build = BuildSettings { build: Build::Auto, rays: Some(lines) };
-        let loaded = loading::read(&args.file, &args.load, build, None, progress)?;
+        let loaded = loading::read(&args.file, &args.load, build, progress)?;
         warn(&loaded.warnings);
         let up = loaded.model.up_in(&loaded.scene);
         let is_guessed = scanner.needs_up(&args.place) && loaded.model.up_is_guessed;
@@ -58,7 +58,7 @@ pub(crate) fn run(args: &ScanArgs, progress: &Progress) -> Result<(), Failure> {
                 "guessed": guessed.iter().collect::<Vec<_>>(),
                 "scene": loaded.scene.fingerprint(),
             });
-            return end_report(done).map_err(|error| Failure::stdout(&error));
+            return end_report(done);
         }
         if !is_quiet() {
             let mut what = format!("{} of {rows} x {columns} beams", counted(returns, "return"));

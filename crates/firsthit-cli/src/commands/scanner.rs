@@ -6,7 +6,7 @@ use firsthit::sensor::{Lidar, Lissajous, Pattern, Raster, Rosette, Spinning};
 use firsthit::trajectory::{BodyAxes, TrajectoryFormat};
 use firsthit::{DAffine3, DMat3, DVec3, Pose, Trajectory};
 
-use crate::args::{PlaceArgs, ScannerArgs};
+use crate::args::{Given, PlaceArgs, ScannerArgs};
 use crate::camera::matrix_of_file;
 use crate::failure::Failure;
 use crate::hints::number;
@@ -50,9 +50,13 @@ pub(super) struct Scanner<'a> {
 }
 
 impl<'a> Scanner<'a> {
-    pub(super) fn of(args: &'a ScannerArgs, place: &PlaceArgs) -> Result<Self, Failure> {
-        check(args)?;
-        let drive = drive(place)?;
+    pub(super) fn of(
+        given: &Given,
+        args: &'a ScannerArgs,
+        place: &PlaceArgs,
+    ) -> Result<Self, Failure> {
+        check(given)?;
+        let drive = drive(given, place)?;
         let table = args
             .pattern
             .as_ref()
@@ -232,35 +236,11 @@ fn needed(kind: &str, option: &str) -> Failure {
 }
 
 /// Refuses options of other scanners.
-fn check(args: &ScannerArgs) -> Result<(), Failure> {
-    let kinds = [
-        ("lidar", args.lidar.is_some()),
-        ("elevations", args.elevations.is_some()),
-        ("raster", args.raster.is_some()),
-        ("rosette", args.rosette.is_some()),
-        ("lissajous", args.lissajous.is_some()),
-    ];
-    let kind = kinds.iter().find(|kind| kind.1).map_or("pattern", |kind| kind.0);
-    let given = [
-        args.columns.is_some(),
-        args.rate.is_some(),
-        args.azimuth_start.is_some(),
-        args.azimuth_end.is_some(),
-        args.direction.is_some(),
-        args.rows.is_some(),
-        args.serpentine,
-        args.flash,
-        args.frequencies.is_some(),
-        args.points.is_some(),
-        args.point_rate.is_some(),
-        args.share.is_some(),
-        args.phase.is_some(),
-        args.start.is_some(),
-        args.turns.is_some(),
-        args.duration.is_some(),
-    ];
-    for ((name, takers), is_given) in TAKERS.into_iter().zip(given) {
-        if is_given && !takers.contains(&kind) {
+fn check(given: &Given) -> Result<(), Failure> {
+    let kinds = ["lidar", "elevations", "raster", "rosette", "lissajous"];
+    let kind = kinds.into_iter().find(|kind| given.has(kind)).unwrap_or("pattern");
+    for (name, takers) in TAKERS {
+        if given.has(name) && !takers.contains(&kind) {
             let takers: Vec<String> = takers.iter().map(|taker| format!("--{taker}")).collect();
             return Err(Failure::usage(match kind {
                 "pattern" => format!("--{name} must be left out with --pattern"),
@@ -272,17 +252,13 @@ fn check(args: &ScannerArgs) -> Result<(), Failure> {
 }
 
 /// The motion of the body that carries the scanner, if one does.
-fn drive(place: &PlaceArgs) -> Result<Option<Trajectory>, Failure> {
+fn drive(given: &Given, place: &PlaceArgs) -> Result<Option<Trajectory>, Failure> {
     let Some(path) = &place.trajectory else {
         return Ok(None);
     };
-    if place.pose.is_none()
-        && let Some(option) =
-            [("aim", place.aim), ("up", place.up)].iter().find(|option| option.1.is_some())
-    {
+    if let Some(option) = ["aim", "up"].into_iter().find(|option| given.has(option)) {
         return Err(Failure::usage(format!(
-            "--{} must be left out with --trajectory: give a --pose",
-            option.0
+            "--{option} must be left out with --trajectory: give a --pose"
         )));
     }
     let format = place.trajectory_format.unwrap_or(TrajectoryFormat::Csv);

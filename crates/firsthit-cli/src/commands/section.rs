@@ -19,10 +19,10 @@ pub(crate) fn run(args: &SectionArgs, progress: &Progress) -> Result<(), Failure
     }
     inputs::note(&args.file);
     output::check_files(&args.output)?;
-    with_threads(&args.run, || {
+    with_threads(args.run.threads, || {
         let started = Instant::now();
         let loaded =
-            loading::read(&args.file, &args.load, NO_RAYS, None, progress)?.picked(&args.pick)?;
+            loading::read(&args.file, &args.load, NO_RAYS, progress)?.picked(&args.pick)?;
         warn(&loaded.warnings);
         output::check_files(&args.output)?;
         let rule = args.fill.rule.unwrap_or_default();
@@ -33,8 +33,7 @@ pub(crate) fn run(args: &SectionArgs, progress: &Progress) -> Result<(), Failure
         }
         let seconds = started.elapsed().as_secs_f64();
         if args.run.json {
-            return end_report(as_json(args, &cut, seconds))
-                .map_err(|error| Failure::stdout(&error));
+            return end_report(as_json(args, &cut, seconds));
         }
         let text = as_text(args, &cut, extent(loaded.scene.bounds()));
         if args.output.is_empty() {

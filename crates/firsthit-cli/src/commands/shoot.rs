@@ -76,12 +76,12 @@ pub(crate) fn run(args: &ShootArgs, progress: &Progress) -> Result<(), Failure> 
     let inputs: Vec<&Path> = inputs.into_iter().flatten().map(PathBuf::as_path).collect();
     let sinks = Sinks::new((&args.output, args.format), &inputs, &kinds)?;
     let started = Instant::now();
-    with_threads(&args.run, || {
+    with_threads(args.run.threads, || {
         let limits = limits(args)?;
         let source = source(args, &sinks, limits)?;
-        let trees = args.trees.settings(source.count());
+        let rays = source.count();
         let Loaded { scene, warnings, .. } =
-            loading::read(&args.file, &args.load, trees, None, progress)?.picked(&args.pick)?;
+            loading::read_picked(&args.file, &args.scene, rays, progress)?;
         sinks.check()?;
         kinds.iter().try_for_each(|kind| kind.check(&scene))?;
         warn(&warnings);
@@ -114,7 +114,7 @@ pub(crate) fn run(args: &ShootArgs, progress: &Progress) -> Result<(), Failure> 
                 "triangles": scene.triangles(),
                 "seconds": seconds,
             });
-            end_report(done).map_err(|error| Failure::stdout(&error))?;
+            end_report(done)?;
         } else if !is_quiet() {
             let share = 100.0 * counts.hits as f64 / counts.rays.max(1) as f64;
             let crossings = counted(counts.crossings, "hit");

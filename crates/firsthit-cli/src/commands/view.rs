@@ -9,11 +9,12 @@ use firsthit::error::escaped;
 use firsthit::image::write_whole;
 use firsthit::inputs;
 use firsthit::watch::Watch;
+use firsthit::world::World;
 use firsthit_view::Viewer;
 use firsthit_view::server::Server;
 
 use super::render::{Asked, asked_for};
-use crate::args::ViewArgs;
+use crate::args::{SceneArgs, ViewArgs};
 use crate::camera::{camera, of_file};
 use crate::console::{counted, say, warn};
 use crate::failure::Failure;
@@ -22,22 +23,23 @@ use crate::output;
 use crate::progress::Progress;
 
 pub(crate) fn run(args: &ViewArgs, progress: &Progress) -> Result<(), Failure> {
-    let asked =
-        Asked { camera: &args.camera, light: &args.light, colors: &args.colors, load: &args.load };
+    let asked = Asked {
+        given: &args.given,
+        camera: &args.camera,
+        light: &args.light,
+        colors: &args.colors,
+        load: &args.scene.load,
+    };
     asked.check()?;
     let report = args.output.as_deref().map(|path| Report::new(path, args));
     let report = report.transpose()?;
     // Pictures are made in the threads of connections, which all share these.
     loading::share_threads(args.threads)?;
-    let loaded = loading::read(
-        &args.file,
-        &args.load,
-        args.trees.settings(None),
-        args.light.color,
-        progress,
-    )?
-    .picked(&args.pick)?;
-    let Loaded { scene, warnings, model, .. } = loaded;
+    let SceneArgs { pick, trees, load } = &args.scene;
+    let settings = loading::settings(&args.file, load);
+    let build = |_: &World| trees.settings(None);
+    let loaded = loading::read_with(&args.file, &settings, build, args.light.color, progress)?;
+    let Loaded { scene, warnings, model, .. } = loaded.picked(pick)?;
     warn(&warnings);
     let base = of_file(&args.camera, &model)?;
     let chosen = camera(&args.camera, (&args.file, &base), &scene, &model)?;

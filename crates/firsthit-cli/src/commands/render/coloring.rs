@@ -2,12 +2,17 @@
 
 use firsthit::scene::Coloring;
 
-use crate::args::ColorsArgs;
+use crate::args::{ColorsArgs, Given};
 use crate::failure::Failure;
+
+/// Whether an option is about colours by numbers.
+pub(super) fn is_coloring(option: &str) -> bool {
+    option.starts_with("color-")
+}
 
 /// The colouring that is asked for; `None` for none.
 pub(super) fn coloring(
-    args: &ColorsArgs,
+    (given, args): (&Given, &ColorsArgs),
     of_file: Option<&Coloring>,
 ) -> Result<Option<Coloring>, Failure> {
     let of_file = of_file.cloned();
@@ -19,9 +24,8 @@ pub(super) fn coloring(
         None => of_file,
     };
     let Some(base) = base else {
-        let mut given = args.given().into_iter();
-        return match given.find(|(_, is_given)| *is_given) {
-            Some((option, _)) => Err(Failure::usage(format!("{option} needs --color-by"))),
+        return match given.options().find(|option| is_coloring(option)) {
+            Some(option) => Err(Failure::usage(format!("--{option} needs --color-by"))),
             None => Ok(None),
         };
     };

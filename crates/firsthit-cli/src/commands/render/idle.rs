@@ -6,45 +6,40 @@ use firsthit::geometry::meant_as_levels;
 use firsthit::render::{Resolved, idle, idle_in_files};
 use firsthit::{Background, Color};
 
+use super::coloring::is_coloring;
 use super::job::needs_shade;
 use super::shader::{AMBIENT, SHADOWS, setting};
-use crate::args::{EdgeArgs, LightingArgs, RenderArgs};
+use crate::args::{Given, RenderArgs};
 use crate::output::Order;
 
 /// The samples after which a noise is asked for first: those of `Picture::noise`.
 const FIRST_ASKED: u32 = 32;
 
-/// Says of those options that are given that they do nothing.
-pub(crate) fn do_nothing(
-    options: impl IntoIterator<Item = (&'static str, bool)>,
+/// Says of those `options` that are given that they do nothing.
+fn do_nothing<'a>(
+    given: &Given,
+    options: impl IntoIterator<Item = &'a str>,
     why: &str,
 ) -> Vec<String> {
-    let given = options.into_iter().filter(|(_, is_given)| *is_given);
-    given.map(|(name, _)| format!("{name} does nothing {why}")).collect()
+    let options = options.into_iter().filter(|option| given.has(option));
+    options.map(|option| format!("--{option} does nothing {why}")).collect()
 }
 
 /// The warnings about options that would do nothing: users may expect something else of them, or
 /// may give equal options to all runs.
-pub(super) fn options(args: &RenderArgs, orders: &[Order], seen: &Resolved) -> Vec<String> {
-    let light = &args.light;
-    let options = [
-        ("--samples", args.picture.samples.is_some()),
-        ("--noise", args.picture.noise.is_some()),
-        ("--aperture", args.camera.aperture.is_some()),
-        ("--focus", args.camera.focus.is_some()),
-        ("--shader", light.shader.is_some()),
-        ("--color", light.color.is_some()),
-        ("--background", light.background.is_some()),
-        ("--sky", light.sky.is_some()),
-        ("--light", !light.light.is_empty()),
-        ("--environment", light.environment.is_some()),
-        ("--ambient", light.ambient.is_some()),
-        ("--no-shadows", light.no_shadows),
-        ("--set", !light.set.is_empty()),
-        ("--ground", light.ground),
-        ("--no-ground", light.no_ground),
-    ];
-    let mut idle = without_channels(options.into_iter().chain(args.colors.given()), orders);
+pub(super) fn options(
+    args: &RenderArgs,
+    orders: &[Order],
+    edges: Option<&Edges>,
+    seen: &Resolved,
+) -> Vec<String> {
+    let given = &args.given;
+    let mut idle = without_channels(given, orders);
+    let has_creases = edges.is_none_or(|edges| edges.kinds.has(EdgeKind::Crease));
+    if !has_creases && idle.is_empty() {
+        let why = "without crease among the --edge-kinds";
+        idle.extend(do_nothing(given, ["edge-angle"], why));
+    }
     if orders.iter().any(needs_shade) {
         idle.extend(with_color(args, seen));
     }
@@ -52,52 +47,42 @@ pub(super) fn options(args: &RenderArgs, orders: &[Order], seen: &Resolved) -> V
 }
 
 /// Says of those options that are given that they do nothing without other channels.
-pub(crate) fn without_channels(
-    options: impl IntoIterator<Item = (&'static str, bool)>,
-    orders: &[Order],
-) -> Vec<String> {
+pub(crate) fn without_channels(given: &Given, orders: &[Order]) -> Vec<String> {
     let kinds = orders.iter().flat_map(|order| &order.kinds);
     let kinds: Vec<&ChannelKind> = kinds.copied().collect();
-    without(options, " among the --channels", |name| idle(name, &kinds))
+    without(given, " among the --channels", |name| idle(name, &kinds))
 }
 
 /// Says of those options that are given that they do nothing without other files.
-pub(super) fn without_files(
-    options: impl IntoIterator<Item = (&'static str, bool)>,
-    orders: &[Order],
-) -> Vec<String> {
-    let needed = |name: &str| idle_in_files(name, orders.iter().flat_map(Order::files));
-    without(options, "", needed)
+pub(super) fn without_files(given: &Given, orders: &[Order]) -> Vec<String> {
+    without(given, "", |name| idle_in_files(name, orders.iter().flat_map(Order::files)))
 }
 
 fn without(
-    options: impl IntoIterator<Item = (&'static str, bool)>,
+    given: &Given,
     place: &str,
     needed: impl Fn(&str) -> Option<&'static str>,
 ) -> Vec<String> {
-    let given = options.into_iter().filter(|(_, is_given)| *is_given);
-    let idle = given.filter_map(|(option, _)| {
-        let name = option.trim_start_matches("--").trim_start_matches("no-");
-        let needed = needed(&name.replace('-', "_"))?;
-        Some(format!("{option} does nothing without {needed}{place}"))
+    let idle = given.options().filter_map(|option| {
+        let name = option.trim_start_matches("no-").replace('-', "_");
+        Some(format!("--{option} does nothing without {}{place}", needed(&name)?))
     });
     idle.collect()
 }
 
 fn with_color(args: &RenderArgs, seen: &Resolved) -> Vec<String> {
-    let (light, shader) = (&args.light, &seen.shader);
+    let (given, light, shader) = (&args.given, &args.light, &seen.shader);
     let lacks = |name| setting(shader, name).is_none();
+    let of_shader = given.options().filter(|&option| match option {
+        "ambient" => lacks(AMBIENT),
+        "no-shadows" => lacks(SHADOWS),
+        "light" => !shader.is_lit(),
+        // One that is not hidden is seen, whatever the shader.
+        "environment" => light.environment_hidden && !shader.is_lit(),
+        option => is_coloring(option) && !shader.takes_color(),
+    });
     let with_shader = format!("with --shader {}", shader.name());
-    // One that is not hidden is seen, whatever the shader.
-    let is_hidden = light.environment.is_some() && light.environment_hidden;
-    let of_shader = [
-        ("--ambient", light.ambient.is_some() && lacks(AMBIENT)),
-        ("--no-shadows", light.no_shadows && lacks(SHADOWS)),
-        ("--light", !light.light.is_empty() && !shader.is_lit()),
-        ("--environment", is_hidden && !shader.is_lit()),
-    ];
-    let of_colors = (args.colors.given().into_iter()).filter(|_| !shader.takes_color());
-    let mut idle = do_nothing(of_shader.into_iter().chain(of_colors), &with_shader);
+    let mut idle = do_nothing(given, of_shader, &with_shader);
     if light.environment.is_some() && shader.is_lit() && !shader.takes_environment() {
         idle.push(format!(
             "--environment is a background alone {with_shader}: direct, path and whitted take light from it"
@@ -107,43 +92,30 @@ fn with_color(args: &RenderArgs, seen: &Resolved) -> Vec<String> {
         idle.push("--color does nothing with --shader normal, which shows directions".into());
     }
     if seen.samples <= FIRST_ASKED {
-        let noise = [("--noise", args.picture.noise.is_some())];
         let why = format!(
             "with {} samples: it is asked for after {FIRST_ASKED} first (--samples)",
             seen.samples
         );
-        idle.extend(do_nothing(noise, &why));
+        idle.extend(do_nothing(given, ["noise"], &why));
     }
-    idle.extend(behind_environment(light, seen));
+    idle.extend(behind_environment(args, seen));
     idle
 }
 
 /// The warnings about a background in whose place an environment is seen.
-fn behind_environment(light: &LightingArgs, seen: &Resolved) -> Vec<String> {
+fn behind_environment(args: &RenderArgs, seen: &Resolved) -> Vec<String> {
     if !(seen.scene.environment()).is_some_and(|environment| environment.is_seen) {
         return Vec::new();
     }
-    let alpha = match light.background {
+    let alpha = match args.light.background {
         Some(Background::Transparent) => ", and there is no alpha",
         _ => "",
     };
-    let why = match light.environment {
+    let why = match args.light.environment {
         Some(_) => "without --environment-hidden: the environment is seen in its place",
         None => "here: the file's environment is seen in its place",
     };
-    let options = [("--background", light.background.is_some()), ("--sky", light.sky.is_some())];
-    do_nothing(options, &format!("{why}{alpha}"))
-}
-
-/// Says the same of options for edges.
-pub(super) fn of_edges(args: &EdgeArgs, edges: Option<&Edges>, orders: &[Order]) -> Vec<String> {
-    let idle = without_channels(args.given(), orders);
-    let has_creases = edges.is_none_or(|edges| edges.kinds.has(EdgeKind::Crease));
-    if !idle.is_empty() || has_creases {
-        return idle;
-    }
-    let angle = [("--edge-angle", args.edge_angle.is_some())];
-    do_nothing(angle, "without crease among the --edge-kinds")
+    do_nothing(&args.given, ["background", "sky"], &format!("{why}{alpha}"))
 }
 
 /// Warns of linear colours that look like levels of sRGB.

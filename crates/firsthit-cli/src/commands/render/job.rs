@@ -12,7 +12,7 @@ use firsthit::{Camera, DisplayTransform, Scene, Shading, Side};
 use serde_json::{Value, json};
 
 use super::idle::without_files;
-use crate::args::{DisplayArgs, FileArgs, RunArgs};
+use crate::args::{DisplayArgs, FileArgs, Given, RunArgs};
 use crate::console::{counted, end_report, is_quiet, say, warn};
 use crate::failure::Failure;
 use crate::legend;
@@ -45,18 +45,12 @@ pub(crate) struct Job<'a> {
 /// The settings for writing files; warns where one of their options does nothing. Colours are shown
 /// as the command line says, the rest as the file says.
 pub(crate) fn settings(
+    given: &Given,
     files: &FileArgs,
     (args, of_file): (&DisplayArgs, DisplayTransform),
     orders: &[Order],
 ) -> WriteSettings {
-    let options = [
-        ("--png-scale", files.png_scale.is_some()),
-        ("--png-labels", files.png_labels),
-        ("--compress", files.compress),
-        ("--exposure", args.exposure.is_some()),
-        ("--tone-map", args.tone_map.is_some()),
-    ];
-    warn(&without_files(options, orders));
+    warn(&without_files(given, orders));
     let display = DisplayTransform {
         exposure: args.exposure.unwrap_or(of_file.exposure),
         tone_map: args.tone_map.unwrap_or(of_file.tone_map),
@@ -149,7 +143,7 @@ fn tell(
     let pixels = camera.pixels() as u64;
     if args.json {
         let done = done(job, orders, legends, (hit, taken, seconds));
-        end_report(done).map_err(|error| Failure::stdout(&error))?;
+        end_report(done)?;
     } else if !is_quiet() {
         let guessed = if guessed.is_empty() {
             String::new()

@@ -18,7 +18,7 @@ use firsthit::shoot::Cpu;
 use firsthit::world::{Output, World};
 use firsthit::{Camera, Scene};
 
-use crate::args::{CameraArgs, ColorsArgs, EdgeArgs, LightingArgs, LoadArgs, RenderArgs};
+use crate::args::{CameraArgs, ColorsArgs, EdgeArgs, Given, LightingArgs, LoadArgs, RenderArgs};
 use crate::asked;
 use crate::camera::{Chosen, camera, check, of_file};
 use crate::console::{is_quiet, warn};
@@ -49,12 +49,12 @@ pub(crate) fn run(args: &RenderArgs, progress: &Progress) -> Result<(), Failure>
     if let Some(orders) = &asked {
         check_others(args, orders)?;
     }
-    with_threads(&args.run, || {
-        let settings = loading::settings(&args.file, &args.load);
-        let build = |model: &World| args.trees.settings(rays(args, model, asked.as_deref()));
+    with_threads(args.run.threads, || {
+        let settings = loading::settings(&args.file, &args.scene.load);
+        let build = |model: &World| args.scene.trees.settings(rays(args, model, asked.as_deref()));
         let loaded = loading::read_with(&args.file, &settings, build, args.light.color, progress)?;
         loaded.check_surfaces(&args.file)?;
-        rendered(args, loaded.picked(&args.pick)?, asked, progress)
+        rendered(args, loaded.picked(&args.scene.pick)?, asked, progress)
     })
 }
 
@@ -104,7 +104,6 @@ fn rendered(
     let orders = all_orders(args, asked, &model.outputs)?;
     let has_colors = orders.iter().any(needs_shade);
     let edges = edges(&args.edges, model.edges);
-    warn(&idle::of_edges(&args.edges, edges.as_ref(), &orders));
     warn(&idle::doubtful_colors(args));
     warn(&warnings);
     let base = of_file(&args.camera, &model)?;
@@ -118,7 +117,7 @@ fn rendered(
     let samples = args.picture.samples.or(model.samples);
     appearance.samples = samples.or(noise.map(|_| SAMPLES_WITH_NOISE));
     let seen = appearance.resolve(&lit, Some(&camera))?;
-    warn(&idle::options(args, &orders, &seen));
+    warn(&idle::options(args, &orders, edges.as_ref(), &seen));
     if has_colors {
         warn(&light::turned_away(&args.light, &seen));
         warn(light::unseen_ground(&args.light, &seen, &camera).as_slice());
@@ -135,7 +134,7 @@ fn rendered(
         samples: seen.samples,
         noise,
         resume: args.picture.resume.as_deref(),
-        settings: settings(&args.picture.files, shown, &orders),
+        settings: settings(&args.given, &args.picture.files, shown, &orders),
         is_rounded: args.picture.files.is_rounded(),
         guessed: &guessed,
         legend: args.picture.legend.as_deref(),
@@ -147,6 +146,7 @@ fn rendered(
 
 /// The command line's words on a picture's appearance.
 pub(crate) struct Asked<'a> {
+    pub(crate) given: &'a Given,
     pub(crate) camera: &'a CameraArgs,
     pub(crate) light: &'a LightingArgs,
     pub(crate) colors: &'a ColorsArgs,
@@ -155,7 +155,13 @@ pub(crate) struct Asked<'a> {
 
 impl<'a> Asked<'a> {
     fn of(args: &'a RenderArgs) -> Self {
-        Self { camera: &args.camera, light: &args.light, colors: &args.colors, load: &args.load }
+        Self {
+            given: &args.given,
+            camera: &args.camera,
+            light: &args.light,
+            colors: &args.colors,
+            load: &args.scene.load,
+        }
     }
 
     /// Refuses lights of which some would be ignored.
@@ -192,7 +198,7 @@ pub(crate) fn asked_for(
         rig,
         background: Some(light::background(args.light, model, camera)),
         ground: light::ground(args.light).or(model.ground),
-        coloring: coloring::coloring(args.colors, model.coloring.as_ref())?,
+        coloring: coloring::coloring((args.given, args.colors), model.coloring.as_ref())?,
         samples: model.samples,
     };
     Ok((scene, appearance))
@@ -270,7 +276,6 @@ fn edges(args: &EdgeArgs, of_file: Option<Edges>) -> Option<Edges> {
     if args.no_edges {
         return None;
     }
-    let is_asked = args.given().iter().any(|(_, is_given)| *is_given);
     let usual = of_file.unwrap_or_default();
     let mut kinds = args.edge_kinds.unwrap_or(usual.kinds);
     if args.wireframe {
@@ -283,7 +288,7 @@ fn edges(args: &EdgeArgs, of_file: Option<Edges>) -> Option<Edges> {
         hidden: args.hidden_edges.or(usual.hidden),
         color: args.edge_color.unwrap_or(usual.color),
     };
-    if is_asked { Some(asked) } else { of_file }
+    if *args == EdgeArgs::default() { of_file } else { Some(asked) }
 }
 
 #[cfg(test)]
