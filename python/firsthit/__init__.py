@@ -40,8 +40,9 @@ from ._looks.lights import (
 )
 from ._looks.material import Material, Texture
 from ._looks.shading import Shader, Shading
+from ._objects.mesh import Mesh
 from ._objects.object import Object
-from ._objects.shapes import Box, Cone, Cylinder, Disc, Mesh, Plane, Sphere
+from ._objects.shapes import Box, Cone, Cylinder, Disc, Plane, Sphere
 from ._pictures.draws import Draws
 from ._pictures.flow import Disparity, Flow, disparity, optical_flow
 from ._pictures.render import render, render_progressively

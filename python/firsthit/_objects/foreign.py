@@ -11,7 +11,7 @@ from firsthit._base.errors import warn
 
 from .foreign_kinds import reader_of
 from .foreign_mesh import material
-from .shapes import Mesh, Shape
+from .mesh import Mesh
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -20,6 +20,8 @@ if TYPE_CHECKING:
 
     from firsthit._looks.material import Material
     from firsthit.typing import SceneLike
+
+    from .shapes import Shape
 
 
 class Part(NamedTuple):

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
     import numpy.typing as npt
 
-    from .shapes import Mesh
+    from .mesh import Mesh
 
 #: The names of an array of vertices, column by column, and the type that is written.
 _KNOWN = {

@@ -11,7 +11,7 @@ from firsthit._base.arrays import cast, index, numbers
 from firsthit._looks.material import Material, colored, shared
 
 from .filters import ALL
-from .shapes import Mesh, Shape
+from .mesh import Mesh
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Sequence
@@ -22,11 +22,10 @@ if TYPE_CHECKING:
     from firsthit.typing import Selection, Vector
 
     from .foreign import Part
+    from .shapes import Shape
 
 #: What is left of an object that was removed.
 NOTHING = Mesh(np.empty((0, 3)), np.empty((0, 3), np.uint32))
-
-
 #: The last row of every transform.
 _LAST_ROW = np.array([0.0, 0.0, 0.0, 1.0])
 

@@ -13,7 +13,8 @@ if TYPE_CHECKING:
     from firsthit import _firsthit
     from firsthit._looks.material import Material
 
-    from .shapes import Mesh, Shape
+    from .mesh import Mesh
+    from .shapes import Shape
 
     _List = list[Object]
 else:

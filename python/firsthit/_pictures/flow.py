@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from firsthit._objects.shapes import Mesh
+from firsthit._objects.mesh import Mesh
 from firsthit._objects.traceable import Traceable
 from firsthit._sensors.camera import Camera
 from firsthit._sensors.lines import PictureSensor, sight, sight_at

@@ -17,6 +17,7 @@ from firsthit._base.log import DEBUG, timed
 from firsthit._base.progress import following
 from firsthit._base.turn import Turn
 from firsthit._objects.foreign_kinds import WANTED, reader_of
+from firsthit._objects.mesh import Mesh
 from firsthit._objects.object import (
     NOTHING,
     affine,
@@ -26,7 +27,7 @@ from firsthit._objects.object import (
     identified_each,
     is_several,
 )
-from firsthit._objects.shapes import Mesh, Shape
+from firsthit._objects.shapes import Shape
 from firsthit._objects.traceable import Built, Traceable
 from firsthit.typing import Build
 

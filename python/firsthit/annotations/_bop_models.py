@@ -10,7 +10,8 @@ import numpy as np
 from firsthit._base.arrays import number
 from firsthit._base.errors import warn
 from firsthit._files.whole import write
-from firsthit._objects.shapes import Box, Cone, Cylinder, Disc, Mesh, Sphere
+from firsthit._objects.mesh import Mesh
+from firsthit._objects.shapes import Box, Cone, Cylinder, Disc, Sphere
 from firsthit._scene.scene import Scene
 from firsthit._sensors.camera import Camera
 from firsthit._sensors.project import intrinsic_matrix

@@ -6,7 +6,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from firsthit._objects.shapes import Box, Cone, Cylinder, Disc, Mesh, Plane, Sphere
+from firsthit._objects.mesh import Mesh
+from firsthit._objects.shapes import Box, Cone, Cylinder, Disc, Plane, Sphere
 
 if TYPE_CHECKING:
     import numpy.typing as npt

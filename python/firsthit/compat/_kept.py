@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from firsthit._objects.foreign_mesh import is_mesh
-from firsthit._objects.shapes import Mesh
+from firsthit._objects.mesh import Mesh
 from firsthit._scene.scene import Scene
 
 from ._foreign_meshes import is_of

@@ -21,7 +21,7 @@ from typing import TYPE_CHECKING, Any, overload
 import numpy as np
 
 from firsthit._base.arrays import count, threads_or_all
-from firsthit._objects.shapes import Mesh
+from firsthit._objects.mesh import Mesh
 from firsthit._scene.scene import Scene
 
 from ._foreign_meshes import TOUCHING, is_of, unit_normals
