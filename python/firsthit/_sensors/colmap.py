@@ -12,7 +12,7 @@ from firsthit._base.errors import FileReadError, blaming
 if TYPE_CHECKING:
     import os
 
-    from .camera import Camera
+    from .camera_view import CameraView
 
 
 @dataclass(frozen=True)
@@ -51,7 +51,7 @@ class ColmapCamera:
         return f"{image_id} {pose} {camera_id} {name}\n"
 
 
-def from_camera(camera: Camera) -> ColmapCamera:
+def from_camera(camera: CameraView) -> ColmapCamera:
     """Return a camera in COLMAP's words."""
     model, params, qvec, tvec = camera._native.to_colmap()
     w, x, y, z = qvec

@@ -103,4 +103,4 @@ def from_native(
     settled: bool,
 ) -> NamedCamera:
     """Return the camera that the native half read; it is as it is where it is ``settled``."""
-    return NamedCamera(name, Camera._again(settled, *view), has_size)
+    return NamedCamera(name, Camera._of_arguments(*view, settled), has_size)

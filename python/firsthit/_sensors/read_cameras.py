@@ -2,34 +2,37 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
-from typing import TYPE_CHECKING, cast
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from firsthit import _firsthit
 from firsthit._base.arrays import count, one_of
 from firsthit._base.errors import warn
+from firsthit._files.frame import read_metadata
 
 from . import calibrations, conventions
+from .camera_conventions import ConvertedCamera
+from .camera_derived import DerivedCamera
 
 if TYPE_CHECKING:
     import os
-    from typing import Literal
+    from typing import Literal, Self
 
     import numpy.typing as npt
 
     from .calibrations import Calibration
-    from .camera import Camera
 
 
-class ReadCameras:
-    """The part of `Camera` that reads files of other programs."""
+class ReadCameras(ConvertedCamera, DerivedCamera):
+    """A camera that files hold: those of other programs, and our own pictures."""
 
     @classmethod
     def from_colmap(
         cls, cameras: str | os.PathLike[str], images: str | os.PathLike[str] | None = None
-    ) -> dict[str, Camera]:
+    ) -> dict[str, Self]:
         """Read the cameras of a COLMAP reconstruction.
 
         Parameters
@@ -58,7 +61,6 @@ class ReadCameras:
             For images of the models ``SIMPLE_DIVISION``, ``DIVISION`` and ``EQUIRECTANGULAR``,
             which are no lenses here: they are left out.
         """
-        kind = cast("type[Camera]", cls)
         read, unsupported, path = _firsthit.Camera.of_colmap(
             Path(cameras), None if images is None else Path(images)
         )
@@ -67,10 +69,10 @@ class ReadCameras:
             which = f"{len(images_)} images are left out, such as {images_[0]!r}"
             known = ", ".join(sorted(set(models)))
             warn(f"{path}: {which}: their models are not supported ({known})")
-        return {name: kind._of(native) for name, native in read}
+        return {name: cls._of(native) for name, native in read}
 
     @classmethod
-    def from_ros(cls, path: str | os.PathLike[str], *, pose: npt.ArrayLike | None = None) -> Camera:
+    def from_ros(cls, path: str | os.PathLike[str], *, pose: npt.ArrayLike | None = None) -> Self:
         """Read the camera of a ROS ``CameraInfo`` in YAML.
 
         Parameters
@@ -114,7 +116,7 @@ class ReadCameras:
     @classmethod
     def from_kalibr(
         cls, path: str | os.PathLike[str], *, frame: Literal["cam0", "imu"] = "cam0"
-    ) -> dict[str, Camera]:
+    ) -> dict[str, Self]:
         """Read the cameras of a Kalibr camchain in YAML.
 
         Parameters
@@ -152,7 +154,7 @@ class ReadCameras:
         *,
         rows: int | None = None,
         columns: int | None = None,
-    ) -> dict[str, Camera]:
+    ) -> dict[str, Self]:
         """Read the cameras of a ``transforms.json``, as nerfstudio and instant-ngp have it.
 
         Parameters
@@ -188,14 +190,52 @@ class ReadCameras:
             return {name: cls._calibrated(each) for name, each in read.items()}
 
     @classmethod
-    def _calibrated(cls, read: Calibration) -> Camera:
+    def load(cls, path: str | os.PathLike[str]) -> Self:
+        """Read the camera that made an output from what the output says of itself.
+
+        Parameters
+        ----------
+        path : path-like
+            A picture or a point cloud that firsthit wrote, of any kind: ``docs/outputs.md``.
+
+        Returns
+        -------
+        Camera
+            The camera, bit for bit: it makes the same picture. Of a region, it is the camera of the
+            whole.
+
+        Raises
+        ------
+        ValueError
+            For a file that does not say which camera made it.
+        FileReadError, FileFormatError
+            As `Frame.load`.
+
+        Examples
+        --------
+        >>> scene = fh.Scene()
+        >>> scene.add(fh.Sphere(center=(0, 0, 0), radius=1))
+        0
+        >>> camera = fh.Camera.framing(scene, rows=30, columns=40)
+        >>> fh.render(scene, camera, channels="z").save("z.npz")
+        >>> fh.Camera.load("z.npz") == camera
+        True
+        """
+        said = read_metadata(path)
+        record = None if said is None else said.get("camera")
+        if record is None:
+            raise ValueError(f"{path} does not say which camera made it")
+        _firsthit.note_input(Path(path))
+        return cls._of(_firsthit.Camera.of_record(json.dumps(record)))
+
+    @classmethod
+    def _calibrated(cls, read: Calibration) -> Self:
         """Return the camera of a calibration."""
-        kind = cast("type[Camera]", cls)
         if read.projection == "equirectangular":
-            pose = conventions.rigid(read.pose)
-            aim, up, position = -pose[:3, 2], pose[:3, 1], pose[:3, 3]
-            return kind.equirectangular(position, aim, up, read.rows, read.columns)
-        return kind.from_intrinsics(
+            pose, pixels = conventions.rigid(read.pose), (read.rows, read.columns)
+            view = pose[:3, 3], -pose[:3, 2], pose[:3, 1]
+            return cls._of_arguments(view, pixels, ("equirectangular", "eye"), [])
+        return cls.from_intrinsics(
             read.K,
             rows=read.rows,
             columns=read.columns,
