@@ -14,6 +14,7 @@ from firsthit._sensors.conventions import rigid
 from firsthit._sensors.ray_sensor import RaySensor
 
 from .lidar_scan import ScanOrigin
+from .patterns import rings_of
 from .scan import classes_of
 
 if TYPE_CHECKING:
@@ -105,19 +106,14 @@ def _of_beams(
     """Return the number of each return's beam."""
     if given is None:
         return default
-    array = numbers(name, given)
+    array = rings_of(name, given) if name == "ring" else numbers(name, given)
     try:
         each = np.broadcast_to(array, shape).reshape(-1)[beam]
     except ValueError:
         raise ValueError(f"{name} must broadcast to {shape}, got {array.shape}") from None
-    if name == "ring":
-        is_whole = array.dtype.kind in "iu"
-        if not is_whole or (array.size and not 0 <= array.min() <= array.max() < 2**31):
-            raise ValueError("ring must be whole numbers from 0 on, below 2^31")
-        return each.astype(np.int32)
     if not np.isfinite(array).all():
         raise ValueError(f"{name} must be finite")
-    return cast(each, np.float64).copy()
+    return each.copy() if name == "ring" else cast(each, np.float64).copy()
 
 
 def _own(
