@@ -21,7 +21,8 @@ from typing import TYPE_CHECKING
 from . import _firsthit, annotations, many
 from ._base.errors import FileError, FileFormatError, FileReadError, FileWriteError, FirsthitWarning
 from ._base.info import info
-from ._files.frame import Frame, read_metadata
+from ._files.frame import Frame
+from ._files.frame_file import read_metadata
 from ._files.points import Points, read_points
 from ._lidar.lidar import Lidar
 from ._lidar.lidar_scan import LidarScan

@@ -194,6 +194,11 @@ def locked(value: Any) -> npt.NDArray[np.float64]:
     return array
 
 
+def copied(table: dict[str, npt.NDArray[Any]]) -> dict[str, npt.NDArray[Any]]:
+    """Return a table with columns of its own, which can be written."""
+    return {name: column.copy() for name, column in table.items()}
+
+
 def lock(array: Any) -> None:
     """Make an array and its bases read-only, so that no view can be made writable again."""
     while isinstance(array, np.ndarray):

@@ -12,6 +12,7 @@ import sys
 import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
+from inspect import isfunction
 from pathlib import Path
 from types import FrameType
 from typing import Self
@@ -78,6 +79,15 @@ class FileWriteError(FileError, OSError):
 
 class FileFormatError(FileError, ValueError):
     """A file's content is wrong."""
+
+
+def name_methods(kind: type, *parts: type) -> None:
+    """Let errors name the class that users know, not the parts of it that have the methods."""
+    for part in parts:
+        for name, member in vars(part).items():
+            method = getattr(member, "__func__", member)
+            if isfunction(method):
+                method.__module__, method.__qualname__ = kind.__module__, f"{kind.__name__}.{name}"
 
 
 @contextmanager

@@ -13,11 +13,11 @@ import numpy as np
 from firsthit import _firsthit
 from firsthit._base.arrays import count, text
 from firsthit._base.channel_hints import hint
-from firsthit._base.errors import FileFormatError, warn
 from firsthit._base.log import timed
 from firsthit._looks.display import Display, as_display
 
-from .channels import files, is_cloud, is_of_one, matte_of, stored
+from .channels import files, is_of_one, matte_of, stored
+from .frame_file import channel_array, in_file, read_channels
 from .plot import Plottable
 
 if TYPE_CHECKING:
@@ -35,10 +35,6 @@ if TYPE_CHECKING:
         ToneMapName,
         VectorName,
     )
-
-#: The types of channels, as metadata name them, and those that an EXR holds as uint32.
-_DTYPES = ("float64", "float32", "int32", "bool")
-_AS_UINT32 = _DTYPES[2:]
 
 
 class Frame(Plottable):
@@ -91,7 +87,7 @@ class Frame(Plottable):
             raise TypeError(f"channels must be a dict of arrays, got {channels!r}")
         self._shape = rows, columns
         self._channels = {
-            text("a name of channels", name): _checked(name, array, self._shape)
+            text("a name of channels", name): channel_array(f"channel {name!r}", array, self._shape)
             for name, array in channels.items()
         }
         self._origin, self._metadata, self._display = "{}", None, Display()
@@ -145,34 +141,8 @@ class Frame(Plottable):
         FirsthitWarning
             For what is doubtful in the file.
         """
-        if is_cloud(path):
-            raise ValueError(
-                f"{os.fspath(path)} must hold a picture, got a point cloud, which is a list of "
-                "points; read_metadata reads its metadata"
-            )
-        arrays, said = _read(path)
+        channels, said = read_channels(path)
         metadata = None if said is None else json.loads(said)
-        records = {} if metadata is None else {c["name"]: c for c in metadata["channels"]}
-        channels = {}
-        for name, shape, values, in_file in arrays:
-            if len(shape) < 2:
-                raise ValueError(
-                    f"{os.fspath(path)} must hold a picture, got the shape {shape}; numpy.load "
-                    "reads arrays, and read_metadata what is said of them"
-                )
-            dtype = str(values.dtype) if values.dtype.kind == "f" else in_file
-            if name in records:
-                # Any file can say anything, and NumPy would take names of huge types or of objects.
-                computed = records[name]["dtype"]
-                possible = _AS_UINT32 if in_file == "uint32" else _DTYPES
-                if computed not in possible:
-                    wanted = f"{', '.join(possible[:-1])} or {possible[-1]}"
-                    raise _wrong(path, name, f"dtype must be {wanted}, got {computed!r}")
-                said_stored = records[name].get("stored") or {}
-                # How an EXR holds int32 and bool, and a PNG labels.
-                if in_file == "uint32" or said_stored.get("encoding") == "labels":
-                    dtype = computed
-            channels[name or "array"] = values.astype(dtype, copy=False).reshape(shape)
         rows, columns = next((array.shape[:2] for array in channels.values()), (0, 0))
         return cls._of((rows, columns), channels, said or "{}", metadata)
 
@@ -467,73 +437,3 @@ class Frame(Plottable):
         name = "color" if "color" in pictures else pictures[0]
         values = in_file(name, self._channels[name])
         return _firsthit.png(list(self._shape), name, values, self._display._native)
-
-
-def read_metadata(path: str | os.PathLike[str]) -> dict[str, Any] | None:
-    """Read what an output says of itself.
-
-    Parameters
-    ----------
-    path : path-like
-        ``.exr``, ``.npz``, ``.npy`` (whose metadata are in ``NAME.npy.json``), ``.png``, ``.ply``
-        or ``.pcd``.
-
-    Returns
-    -------
-    dict or None
-        As `Frame.metadata`, and how the file stores each channel; ``None`` for a file without
-        metadata. ``docs/outputs.md`` and the JSON Schema beside it say what every entry means.
-
-    Raises
-    ------
-    FileReadError, FileFormatError
-        As `Frame.load`.
-    ValueError
-        For an unknown extension.
-
-    Warns
-    -----
-    FirsthitWarning
-        For what is doubtful in the file.
-    """
-    _, said = _read(path)
-    return None if said is None else json.loads(said)
-
-
-def _read(path: str | os.PathLike[str]) -> tuple[list[Any], str | None]:
-    """Return the arrays in a file and the text of its metadata; warn of what is doubtful."""
-    arrays, said, doubts = _firsthit.read(Path(path))
-    for doubt in doubts:
-        warn(f"{os.fspath(path)}: {doubt}")
-    return arrays, said
-
-
-def _checked(name: str, given: Any, shape: tuple[int, int]) -> npt.NDArray[Any]:
-    """Return the array of a channel that a user gave."""
-    try:
-        array = np.asarray(given)
-    except ValueError as error:
-        raise ValueError(f"channel {name!r} must be an array: {error}") from None
-    if array.dtype.kind not in "fiub":
-        raise ValueError(f"channel {name!r} must be bool or real numbers, got dtype {array.dtype}")
-    if array.ndim not in (2, 3) or array.shape[:2] != shape:
-        wanted = f"{shape} or {(*shape, 'k')}".replace("'", "")
-        raise ValueError(f"channel {name!r} must have the shape {wanted}, got {array.shape}")
-    return array
-
-
-def in_file(name: str, array: npt.NDArray[Any]) -> npt.NDArray[Any]:
-    """Return a channel, flat, in the type in which files hold it."""
-    if array.dtype.kind in "iu" and array.dtype != np.int32:
-        low, high = (int(array.min()), int(array.max())) if array.size else (0, 0)
-        if low < -(2**31) or high >= 2**31:
-            span = f"{low} to {high}"
-            raise ValueError(f"channel {name!r} must be int32 to be written, got {span}")
-        array = array.astype(np.int32)
-    elif array.dtype.kind == "f" and array.dtype not in (np.float64, np.float32):
-        array = array.astype(np.float32 if array.dtype.itemsize < 4 else np.float64)
-    return np.ascontiguousarray(array).ravel()
-
-
-def _wrong(path: str | os.PathLike[str], name: str | None, what: str) -> FileFormatError:
-    return FileFormatError._of(path, f"metadata of channel {name!r}: {what}")

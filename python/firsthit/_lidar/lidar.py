@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from firsthit._base.arrays import cast, numbers
+from firsthit._base.errors import name_methods
 from firsthit._base.log import timed
 from firsthit._sensors.conventions import rigid
 
@@ -293,3 +294,6 @@ class Lidar(PatternSensor):
     def __reduce__(self) -> tuple[object, tuple[object, ...]]:
         """Pickle by what it was made from."""
         return Lidar._standing, (self._made, None, self._pose, self._trajectory)
+
+
+name_methods(Lidar, PatternSensor)

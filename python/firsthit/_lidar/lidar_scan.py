@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 
 from firsthit import _firsthit
-from firsthit._base.arrays import flag, lock
+from firsthit._base.arrays import copied, flag, lock
 from firsthit._base.log import timed
 
 if TYPE_CHECKING:
@@ -361,9 +361,7 @@ class LidarScan:
                 table.update(zip(_VECTORS[name], np.moveaxis(array, 1, 0), strict=True))
             else:
                 table[name] = array
-        return (
-            {name: column.copy() for name, column in table.items()} if flag("copy", copy) else table
-        )
+        return copied(table) if flag("copy", copy) else table
 
     def to_image(self, name: str = "range") -> npt.NDArray[Any]:
         """Return an array as the scanner's picture, of the first return of each beam.

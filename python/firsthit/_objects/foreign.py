@@ -9,9 +9,10 @@ import numpy as np
 from firsthit._base.arrays import text
 from firsthit._base.errors import warn
 
-from .foreign_kinds import reader_of
+from .foreign_kinds import WANTED, reader_of
 from .foreign_mesh import material
 from .mesh import Mesh
+from .shapes import Shape
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -21,11 +22,9 @@ if TYPE_CHECKING:
     from firsthit._looks.material import Material
     from firsthit.typing import SceneLike
 
-    from .shapes import Shape
-
 
 class Part(NamedTuple):
-    """The parts of an object."""
+    """A shape with its name, look and place, of which an object is made."""
 
     name: str
     shape: Shape
@@ -38,7 +37,20 @@ def is_scene(thing: object) -> TypeGuard[SceneLike]:
     return hasattr(thing, "geometry") and hasattr(getattr(thing, "graph", None), "nodes_geometry")
 
 
-def objects(scene: SceneLike) -> Iterator[Part]:
+def parts(thing: object, name: str) -> list[Part]:
+    """Return what a shape, a mesh or a scene consists of. A scene has names of its own."""
+    if is_scene(thing):
+        if name:
+            raise ValueError(f"name must be left out with a scene, got {name!r}")
+        return list(_objects(thing))
+    if isinstance(thing, Shape):
+        return [Part(name, thing)]
+    if reader_of(thing) is not None:
+        return [Part(name, *_mesh(thing))]
+    raise TypeError(f"shape must be a shape, or {WANTED}, got {thing!r}")
+
+
+def _objects(scene: SceneLike) -> Iterator[Part]:
     """Yield a scene's nodes that have meshes. Nodes that share a mesh still share it."""
     made: dict[str, tuple[Mesh, Material | None]] = {}
     for node in scene.graph.nodes_geometry:
@@ -48,7 +60,7 @@ def objects(scene: SceneLike) -> Iterator[Part]:
             warn(f"node {node!r} is left out: a {type(thing).__name__} has no triangles")
             continue
         if name not in made:
-            made[name] = mesh(thing)
+            made[name] = _mesh(thing)
         shape, material = made[name]
         placed = np.asarray(matrix, np.float64)
         if not np.linalg.det(placed[:3, :3]):
@@ -57,6 +69,6 @@ def objects(scene: SceneLike) -> Iterator[Part]:
         yield Part(text("node", str(node)), shape, material, placed)
 
 
-def mesh(thing: Any) -> tuple[Mesh, Material | None]:
+def _mesh(thing: Any) -> tuple[Mesh, Material | None]:
     """Return a mesh with its colours, and its look if it has one."""
     return Mesh(thing), material(thing)

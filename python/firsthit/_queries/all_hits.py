@@ -12,10 +12,10 @@ from firsthit._base.arrays import chosen, chunks, lock
 from firsthit._base.progress import later
 from firsthit._files.channels import stored
 
-from .channels import Channels
 from .hits import Hits
 from .rays import NO_MAXIMUM, NO_MINIMUM, Rays
 from .source import Source
+from .tables import Tables
 
 if TYPE_CHECKING:
     import os
@@ -33,7 +33,7 @@ if TYPE_CHECKING:
 _MOST = 1 << 48
 
 
-class AllHits(Channels):
+class AllHits(Tables):
     """Every hit of rays, one after the other: the hits of each ray in order, ray by ray.
 
     A channel has the shape (m,) or (m, k), where m is the number of all hits, and `Hits` have (...)

@@ -1,25 +1,21 @@
-"""Channels of hits: one table for the first hits and for all, and the meshes' attributes."""
+"""Channels of hits, the first or all, and the meshes' attributes."""
 
 from __future__ import annotations
 
-import os
-from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any, Literal, TypeVar, get_args, overload
 
 import numpy as np
 
 from firsthit import _firsthit
-from firsthit._base.arrays import chunks, filled, flag, lock, one_of, text, threads_or_all
+from firsthit._base.arrays import chunks, filled, lock, one_of, text, threads_or_all
 from firsthit._base.channel_hints import hint
-from firsthit._base.log import timed
 from firsthit._base.progress import following, later
 from firsthit._base.rounding import singles
-from firsthit._files.channels import attribute_of, distinct, files, is_cloud, is_of_several
-from firsthit._files.frame import in_file
+from firsthit._files.channels import attribute_of
 from firsthit.typing import ChannelName, MatteName, NamedIdentifier
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
+    from collections.abc import Iterator
     from typing import Self
 
     import numpy.typing as npt
@@ -41,9 +37,6 @@ _Out = TypeVar("_Out")
 
 #: How many numbers a channel has for each ray, where that is not one.
 _COMPONENTS = {"barycentric": 3, "position": 3, "normal": 3, "uv": 2, "base_color": 3}
-
-#: What the columns of a table end in, where that is not x, y, z.
-_LETTERS = {"barycentric": "012", "uv": "uv", "base_color": "rgb"}
 
 #: Channels that only pictures have.
 _OF_PICTURES = ("color", "valid", "edge", "alpha", "ao", "samples")
@@ -448,112 +441,6 @@ class Channels:
         found = self._made[key]
         shaped = self._read_only(found, found.shape[1])
         return shaped if out is None else filled(out, shaped)
-
-    def to_dict(
-        self, channels: Asked | Sequence[Asked] | None = None, *, copy: bool = False
-    ) -> dict[str, npt.NDArray[Any]]:
-        """Return the hits as a table: its columns by name.
-
-        ``pandas.DataFrame(hits.to_dict())`` and its like take it.
-
-        Parameters
-        ----------
-        channels : str or sequence of str, optional
-            Some of `channels`, or ``"attribute:NAME"`` for an `attribute`; all channels if left
-            out.
-        copy : bool
-            Whether the columns are copies, which can be written, and not views of the hits.
-
-        Returns
-        -------
-        dict of str to (n,) array
-            A row for each ray, in the order of the rays. For a camera's hits the first columns are
-            ``row`` and ``column``, their pixel. A channel of several numbers has as many columns,
-            called as in the program's CSV: ``position_x``, ``barycentric_0``, ``uv_u``,
-            ``attribute:NAME_0``, and so on.
-
-        Raises
-        ------
-        ValueError, AttributeError
-            As `channel`.
-
-        Examples
-        --------
-        >>> scene = fh.Scene()
-        >>> scene.add(fh.Sphere(center=(0, 0, 0), radius=1))
-        0
-        >>> hits = scene.shoot([[0, 0, 5], [0, 3, 5]], [0, 0, -1])
-        >>> hits.to_dict(["t", "normal"])
-        {'t': array([ 4., inf]), 'normal_x': array([ 0., nan]), 'normal_y': array([ 0., nan]),
-        'normal_z': array([ 1., nan])}
-        """
-        table: dict[str, npt.NDArray[Any]] = {}
-        pixels = self._source.rows_and_columns(len(self._arrays[0]))
-        if pixels is not None:
-            table["row"], table["column"] = pixels
-        names = [channels] if isinstance(channels, str) else channels
-        for name in self.channels if names is None else names:
-            array = self.channel(name)
-            if array.ndim == len(self._shape):
-                table[name] = array.reshape(-1)
-                continue
-            columns = array.reshape(-1, array.shape[-1])
-            letters: Sequence[object] = _LETTERS.get(name, "xyz")
-            if attribute_of(name) is not None:
-                letters = range(array.shape[-1])
-            for k, letter in enumerate(letters):
-                table[f"{name}_{letter}"] = columns[:, k]
-        return (
-            {name: column.copy() for name, column in table.items()} if flag("copy", copy) else table
-        )
-
-    def _own(
-        self, path: str | os.PathLike[str], own: Mapping[str, npt.ArrayLike] | None
-    ) -> dict[str, npt.NDArray[Any]]:
-        """Return numbers of the user's own as files hold them."""
-        if not isinstance(own, Mapping | None):
-            raise TypeError(f"own must be a dict of arrays, got {own!r}")
-        if own and not is_of_several(path):
-            raise ValueError(f"own must be left out for {os.fspath(path)}, which takes one channel")
-        made = {}
-        for name, given in (own or {}).items():
-            if name in (*get_args(ChannelName), "ray"):
-                raise ValueError(f"own must have names that are no channels, got {name!r}")
-            array = np.asarray(given)
-            if array.dtype.kind not in "fiub":
-                raise ValueError(f"{name} must be bool or real numbers, got dtype {array.dtype}")
-            if array.shape[: len(self._shape)] != self._shape or array.ndim > len(self._shape) + 1:
-                wanted = f"{self._shape} or {(*self._shape, 'k')}".replace("'", "")
-                raise ValueError(f"{name} must have the shape {wanted}, got {array.shape}")
-            made[text("a name of own", name)] = in_file(name, array)
-        return made
-
-    def _save(
-        self,
-        path: str | os.PathLike[str],
-        channels: Asked | Sequence[Asked] | None,
-        others: dict[str, npt.NDArray[Any]],
-        how: _firsthit._Stored,
-    ) -> None:
-        """Write channels, and before them ``others`` to a file that takes several."""
-        names: list[str]
-        if channels is not None:
-            names = list(distinct(channels, self.channels))
-        else:
-            names = ["t", "object", "primitive"] if is_of_several(path) else ["t"]
-            names = ["normal", *names] if is_cloud(path) else names
-        if is_cloud(path) and "position" not in names:
-            names = ["position", *names]
-        wanted = files(path, [*others, *names] if is_of_several(path) else names)
-        camera = self._source.camera
-        says_camera = is_cloud(path) or self._source.is_whole
-        native = camera._native if camera is not None and says_camera else None
-        origin = _firsthit.origin(self._built.native, native, names)
-        for file, held in wanted:
-            made = ((name, others[name] if name in others else self._named(name)) for name in held)
-            arrays = [(name, np.ascontiguousarray(array).ravel()) for name, array in made]
-            with timed("wrote %s", file):
-                _firsthit.write(file, list(self._shape), arrays, origin, how, None)
 
     def _named(self, name: str) -> npt.NDArray[Any]:
         """Return the channel of that name, or else the attribute."""

@@ -12,8 +12,8 @@ from firsthit._base.rounding import singles_within
 from firsthit._files.channels import stored
 from firsthit._files.plot import Plottable
 
-from .channels import Channels
 from .leaving import leaving
+from .tables import Tables
 
 if TYPE_CHECKING:
     import os
@@ -46,7 +46,7 @@ if TYPE_CHECKING:
     )
 
 
-class Hits(Channels, Plottable):
+class Hits(Tables, Plottable):
     """The first hits of rays, as arrays of the rays' shape, which is written (...) below.
 
     ``t, o = hits`` unpacks distances and objects. ``hits[mask]`` and ``len(hits)`` work as for an

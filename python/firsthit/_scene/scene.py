@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from inspect import isfunction
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, overload
 
@@ -10,6 +9,7 @@ import numpy as np
 
 from firsthit import _firsthit
 from firsthit._base.arrays import color_of, direction, text, vector
+from firsthit._base.errors import name_methods
 from firsthit._base.log import timed
 from firsthit._base.progress import following
 from firsthit._looks.display import Display, as_display
@@ -19,10 +19,8 @@ from firsthit._looks.lights import TRANSPARENT, Light, Sky, background_native, i
 from firsthit._looks.shading import Shading
 from firsthit._objects import foreign
 from firsthit._objects.filters import ALL, one_mask
-from firsthit._objects.foreign_kinds import WANTED, reader_of
 from firsthit._objects.object import Object, affine, placed
 from firsthit._objects.of_file import held, triangles
-from firsthit._objects.shapes import Shape
 from firsthit._queries.inspections import Inspections
 from firsthit._queries.of_points import PointQueries
 from firsthit._queries.of_rays import RayQueries
@@ -41,6 +39,7 @@ if TYPE_CHECKING:
 
     from firsthit._looks.material import Material
     from firsthit._looks.shading import Shader
+    from firsthit._objects.shapes import Shape
     from firsthit._view.notebook import NotebookView
     from firsthit.typing import (
         Build,
@@ -169,17 +168,7 @@ class Scene(Changes, RayQueries, PointQueries, Inspections):
         """
         name = text("name", name)
         matrix = None if transform is None else affine(transform)
-        if foreign.is_scene(shape):
-            if name:
-                raise ValueError(f"name must be left out with a scene, got {name!r}")
-            parts = list(foreign.objects(shape))
-        elif isinstance(shape, Shape):
-            parts = [foreign.Part(name, shape)]
-        elif reader_of(shape) is not None:
-            parts = [foreign.Part(name, *foreign.mesh(shape))]
-        else:
-            raise TypeError(f"shape must be a shape, or {WANTED}, got {shape!r}")
-        bits = one_mask("mask", mask)
+        parts, bits = foreign.parts(shape, name), one_mask("mask", mask)
         made = [placed(part, matrix, color, material, bits) for part in parts]
         # One bytecode, in which nothing can intervene. A lock would deadlock in a signal's handler.
         self._objects.extend(made)
@@ -504,8 +493,4 @@ _KEPT = (
     "_up_is_guessed",
 )
 
-# Errors name the class that users know, not the part of it that has the method.
-for _part in Scene.__bases__:
-    for _name, _method in vars(_part).items():
-        if isfunction(_method):
-            _method.__module__, _method.__qualname__ = Scene.__module__, f"Scene.{_name}"
+name_methods(Scene, *Scene.__bases__)

@@ -8,10 +8,12 @@ import numpy as np
 
 from firsthit import _firsthit
 from firsthit._base.arrays import count, number, one_of, text, vector
-from firsthit._base.errors import warn
+from firsthit._base.errors import name_methods, warn
 from firsthit.typing import Projection
 
-from .camera_view import FLAT, LENS, checked_parameters
+from .camera_conventions import ConvertedCamera
+from .camera_derived import DerivedCamera
+from .camera_view import FLAT, LENS, CameraView, checked_parameters
 from .read_cameras import ReadCameras
 
 if TYPE_CHECKING:
@@ -441,6 +443,9 @@ class Camera(ReadCameras):
         across = None if columns is None else count("columns", columns)
         native = _firsthit.Camera.framing(scene._native(), above, text("view", view), down, across)
         return cls._of(native)
+
+
+name_methods(Camera, ReadCameras, ConvertedCamera, DerivedCamera, CameraView)
 
 
 def warn_before_viewplane(scene: _firsthit.Scene, camera: Sensor) -> None:

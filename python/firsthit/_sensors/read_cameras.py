@@ -11,7 +11,7 @@ import numpy as np
 from firsthit import _firsthit
 from firsthit._base.arrays import count, one_of
 from firsthit._base.errors import warn
-from firsthit._files.frame import read_metadata
+from firsthit._files.frame_file import read_metadata
 
 from . import calibrations, conventions
 from .camera_conventions import ConvertedCamera
