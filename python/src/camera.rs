@@ -6,16 +6,14 @@ use firsthit::camera::{ColmapCamera, Convention, Description, PixelMatrix, Proje
 use firsthit::geometry::DMat3;
 use firsthit::image::CameraRecord;
 use firsthit::load::{colmap_files, read_colmap};
-use firsthit::render::{Sample, framing_camera};
-use firsthit::sensor::{Sensor, camera_of};
-use firsthit::watch::Watch;
-use firsthit::{DVec3, Lens, Ray, RayStart, Rays, View, Viewplane};
-use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1};
+use firsthit::render::framing_camera;
+use firsthit::sensor::camera_of;
+use firsthit::{DVec3, Lens, RayStart, View, Viewplane};
+use numpy::{PyArray1, PyReadonlyArray1};
 use pyo3::prelude::*;
 use rayon::prelude::*;
 
-use crate::arrays::collected;
-use crate::errors::{Outcome, Raised};
+use crate::errors::Outcome;
 use crate::run::{FEW, run};
 use crate::scene::Scene;
 
@@ -23,10 +21,10 @@ use crate::scene::Scene;
 #[pyclass(frozen, module = "firsthit._firsthit")]
 pub(crate) struct Camera(pub(crate) firsthit::Camera);
 
-/// The camera's frame: position, aim, right, upwards.
 /// Cameras by the names of their images, and the images of other models, with these.
 type ColmapOut = (Vec<(String, Camera)>, Vec<(String, &'static str)>, PathBuf);
 
+/// The camera's frame: position, aim, right, upwards.
 type CameraFrame = ([f64; 3], [f64; 3], [f64; 3], [f64; 3]);
 
 #[pymethods]
@@ -238,131 +236,11 @@ impl Camera {
         (position, aim, right, upwards)
     }
 
-    /// Origins and directions of the rays of some rows, through the point that a sample of each
-    /// pixel is at; the first is the centre.
-    fn rays<'py>(
-        &self,
-        py: Python<'py>,
-        rows: (usize, usize),
-        sample: u32,
-    ) -> Outcome<RayArraysOut<'py>> {
-        rays_of_rows(py, &self.0, rows, sample)
-    }
-
-    /// Origins and directions of the rays through the centres of some pixels, counted row by row.
-    fn rays_of<'py>(
-        &self,
-        py: Python<'py>,
-        pixels: PyReadonlyArray1<'py, i64>,
-    ) -> Outcome<RayArraysOut<'py>> {
-        let pixels: Vec<usize> = checked_pixels(&pixels, self.0.pixels())?.collect();
-        ray_arrays(py, pixels.len(), |k| Rays::ray(&self.0, pixels[k]))
-    }
-
-    /// `range` or `z` of the hits at `t` of some pixels, counted row by row.
-    fn distances<'py>(
-        &self,
-        py: Python<'py>,
-        is_range: bool,
-        pixels: PyReadonlyArray1<'py, i64>,
-        t: PyReadonlyArray1<'py, f64>,
-    ) -> Outcome<Bound<'py, PyArray1<f64>>> {
-        distances_of(py, &self.0, is_range, &pixels, &t)
-    }
-
     /// The camera carried by a body, by the matrix of its pose.
     fn moved(&self, world_from_body: [[f64; 4]; 4]) -> Outcome<Self> {
         let pose = Convention::OpenGl.pose(world_from_body)?;
         Ok(Self(self.0.moved(&pose)?))
     }
-}
-
-/// Origins and directions.
-pub(crate) type RayArraysOut<'py> = (Bound<'py, PyArray2<f64>>, Bound<'py, PyArray2<f64>>);
-
-/// The rays of some rows of a sensor, through the point that a sample of each pixel is at.
-pub(crate) fn rays_of_rows<'py>(
-    py: Python<'py>,
-    sensor: &(dyn Sensor + Send + Sync),
-    rows: (usize, usize),
-    sample: u32,
-) -> Outcome<RayArraysOut<'py>> {
-    let [all_rows, columns] = sensor.shape();
-    let last_row = rows.1.min(all_rows);
-    let (first, last) = (rows.0.saturating_mul(columns), last_row.saturating_mul(columns));
-    let sample = Sample::new(sensor, sample);
-    ray_arrays(py, last.saturating_sub(first), |index| sample.ray(first + index))
-}
-
-/// `range` or `z` of the hits at `t` of some pixels of a sensor.
-pub(crate) fn distances_of<'py>(
-    py: Python<'py>,
-    sensor: &(dyn Sensor + Send + Sync),
-    is_range: bool,
-    pixels: &PyReadonlyArray1<'py, i64>,
-    t: &PyReadonlyArray1<'py, f64>,
-) -> Outcome<Bound<'py, PyArray1<f64>>> {
-    let t = t.as_slice()?;
-    let pixels = checked_pixels(pixels, sensor.len())?;
-    let distance = |(pixel, &t): (usize, &f64)| {
-        let [range, z] = sensor.range_and_z(pixel, t);
-        if is_range { range } else { z }
-    };
-    Ok(PyArray1::from_vec(py, pixels.zip(t).map(distance).collect()))
-}
-
-/// Checks the numbers of pixels against a sensor of `count` pixels.
-pub(crate) fn checked_pixels(
-    pixels: &PyReadonlyArray1<'_, i64>,
-    count: usize,
-) -> Outcome<impl ExactSizeIterator<Item = usize>> {
-    let pixels = pixels.as_slice()?;
-    let checked = pixels.iter().map(|&pixel| usize::try_from(pixel));
-    let checked: Result<Vec<usize>, _> = checked.collect();
-    let checked = checked.ok().filter(|pixels| {
-        let largest = pixels.iter().max();
-        largest.is_none_or(|&largest| largest < count)
-    });
-    let outside = || Raised::value("expected pixels of the camera");
-    Ok(checked.ok_or_else(outside)?.into_iter())
-}
-
-/// The two arrays of `count` rays, which are made in pieces by all threads; few by the calling
-/// thread alone.
-pub(crate) fn ray_arrays(
-    py: Python<'_>,
-    count: usize,
-    ray: impl Fn(usize) -> Ray + Sync,
-) -> Outcome<RayArraysOut<'_>> {
-    /// Rays that are made between two looks at whether to stop.
-    const PIECE: usize = 1 << 14;
-    let zeros = || collected(count, std::iter::repeat_n([0.0; 3], count));
-    let (mut origins, mut directions) = (zeros()?, zeros()?);
-    let make = |first: usize, origins: &mut [[f64; 3]], directions: &mut [[f64; 3]]| {
-        let ends = origins.iter_mut().zip(directions);
-        for (index, (origin, direction)) in (first..).zip(ends) {
-            let ray = ray(index);
-            (*origin, *direction) = (ray.origin.to_array(), ray.direction.to_array());
-        }
-    };
-    if count < FEW {
-        make(0, &mut origins, &mut directions);
-    } else {
-        run(py, 0, |stop| {
-            let origins = origins.par_chunks_mut(PIECE);
-            let pieces = origins.zip(directions.par_chunks_mut(PIECE)).enumerate();
-            pieces.for_each(|(k, (origins, directions))| {
-                // The caller that asked to stop raises the interruption.
-                if !stop.is_stopped() {
-                    make(k * PIECE, origins, directions);
-                }
-            });
-            Ok(())
-        })?;
-    }
-    let array =
-        |values: Vec<[f64; 3]>| PyArray1::from_vec(py, values.into_flattened()).reshape([count, 3]);
-    Ok((array(origins)?, array(directions)?))
 }
 
 /// The lens of a projection's name, of where its rays start, and of its numbers.

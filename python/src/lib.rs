@@ -24,9 +24,11 @@ mod scan;
 mod scene;
 mod section;
 mod sensor;
+mod sensor_rays;
 mod shading;
 mod shape;
 mod shoot;
+mod trajectory;
 mod view;
 
 use pyo3::prelude::*;
@@ -83,13 +85,17 @@ mod _firsthit {
     #[pymodule_export]
     use crate::section::Section;
     #[pymodule_export]
-    use crate::sensor::{Pattern, Sensor, Trajectory, axes_from};
+    use crate::sensor::{Pattern, Sensor};
+    #[pymodule_export]
+    use crate::sensor_rays::{distances_of_pixels, rays_of_pixels, rays_of_rows};
     #[pymodule_export]
     use crate::shading::{check_light, check_shader, draws, resolve, shader_settings};
     #[pymodule_export]
     use crate::shape::{Mesh, Shape, polygons};
     #[pymodule_export]
     use crate::shoot::{channel, channel_names, count, occluded, shoot, shoot_all, shoot_camera};
+    #[pymodule_export]
+    use crate::trajectory::{Trajectory, axes_from};
     #[pymodule_export]
     use crate::view::{PageServer, Viewer};
 

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from firsthit import _firsthit
 from firsthit._base.progress import later
 from firsthit._base.region import Region
 from firsthit._queries.rays import Rays
@@ -95,7 +96,7 @@ class OwnShading(NamedTuple):
         last, camera = row + len(total), self.camera
         pixels = self._pixels(row, last)
         for sample in samples:
-            both = camera._native.rays((row, last), sample)
+            both = _firsthit.rays_of_rows(camera._native, (row, last), sample)
             grids = (array.reshape(last - row, camera.columns, 3) for array in both)
             grids = (grid[:, self.region.left : self.region.right] for grid in grids)
             rays = Rays.of(*grids, filters=self.filters)

@@ -95,7 +95,10 @@ class Source:
             return self.rays.origins(), self.rays.directions()
         if "both" not in self._made:
             camera, pixels = self._camera_of("origin"), self.pixels
-            both = camera.rays() if pixels is None else camera._native.rays_of(pixels)
+            if pixels is None:
+                both = camera.rays()
+            else:
+                both = _firsthit.rays_of_pixels(camera._native, pixels)
             # Another thread may have made them meanwhile: the first are everyone's.
             self._made.setdefault("both", both)
         return self._made["both"]
@@ -127,7 +130,8 @@ class Source:
     ) -> npt.NDArray[np.float64]:
         camera, (t, identifiers, *_) = self._camera_of(name), arrays
         if self.rays is None and self.pixels is not None:
-            return camera._native.distances(name == "range", self.pixels, t)
+            is_range = name == "range"
+            return _firsthit.distances_of_pixels(camera._native, is_range, self.pixels, t)
         if not isinstance(camera, Camera):
             return self._distances_of_places(name, camera, t)
         if name == "z" or camera.projection == "orthographic":

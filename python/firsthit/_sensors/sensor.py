@@ -6,12 +6,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from firsthit import _firsthit
 from firsthit._base.region import check_pixels
 
 if TYPE_CHECKING:
     import numpy.typing as npt
-
-    from firsthit import _firsthit
 
 
 class Sensor:
@@ -52,7 +51,7 @@ class Sensor:
             In world space; directions of length one, but for a `RaySensor`. Row 0 is the top row.
         """
         check_pixels(*self.shape)
-        origins, directions = self._native.rays((0, self.rows), 0)
+        origins, directions = _firsthit.rays_of_rows(self._native, (0, self.rows), 0)
         shape = (self.rows, self.columns, 3)
         return origins.reshape(shape), directions.reshape(shape)
 

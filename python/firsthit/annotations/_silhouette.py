@@ -106,7 +106,7 @@ def _of_picture(camera: Sensor, part: Reach, alone: _Alone) -> Mask:
     for row in range(part.top, part.bottom, step):
         rows = np.arange(row, min(row + step, part.bottom))
         pixels = (rows[:, None] * camera.columns + columns).reshape(-1)
-        origins, directions = camera._native.rays_of(pixels)
+        origins, directions = _firsthit.rays_of_pixels(camera._native, pixels)
         grids = origins.reshape(-1, 3), directions.reshape(-1, 3)
         found[rows - part.top] = alone(grids).reshape(len(rows), -1)
     return Mask.of(found, shape=shape, row=part.top, column=part.left)

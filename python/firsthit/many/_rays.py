@@ -197,7 +197,10 @@ class _OfSensors:
 
     def batch(self, part: int, given: Any) -> Batch:
         del part
-        made = [one._native.rays_of(np.arange(first, end)) for one, first, end in given]
+        made = [
+            _firsthit.rays_of_pixels(one._native, np.arange(first, end))
+            for one, first, end in given
+        ]
         origins, directions = (
             np.concatenate(both).reshape(-1, 3) for both in zip(*made, strict=True)
         )
