@@ -1,6 +1,6 @@
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import Any, TypedDict, final
+from typing import Any, TypedDict, TypeVar, final
 
 import numpy as np
 import numpy.typing as npt
@@ -46,7 +46,8 @@ _Object = tuple[Shape, str, _Doubles | None, list[_Material], int, _Seen, _Label
 _Property = tuple[str, str, int, bool, npt.NDArray[Any]]
 _Copies = tuple[_Doubles | None, _Doubles | None]
 _Value = bool | float | _Vector
-_Light = tuple[str, list[tuple[str, _Value]]]
+_Settings = list[tuple[str, _Value]]
+_Light = tuple[str, _Settings]
 _Environment = tuple[
     str, Sequence[_Vector], Sequence[float], EnvironmentMap | None, float, bool, _Vector | None
 ]
@@ -60,40 +61,31 @@ _Colors = tuple[
     tuple[_Vector | None, _Vector | None, _Vector | None],
 ]
 _Shading = tuple[
-    str | None, list[tuple[str, _Value]], str | None, bool | None, int | None, _Colors | None
-]
-_ShadingOut = tuple[
     ShaderName | None,
-    list[tuple[str, _Value]],
+    _Settings,
     LightName | None,
     bool | None,
     int | None,
     _Colors | None,
 ]
-_Map = tuple[Texels, tuple[str, str], str, tuple[_Vector, _Vector], bool]
-_MapOut = tuple[int, tuple[str, str], str, tuple[_Vector, _Vector], bool]
-_Settings = list[tuple[str, _Value]]
+
+@final
+class Texels:
+    def __new__(cls, texels: npt.NDArray[np.uint8]) -> Texels: ...
+    def array(self) -> npt.NDArray[np.uint8]: ...
+
+#: The texels of a map, or their number among those of a file.
+_Texels = TypeVar("_Texels", Texels, int)
+_MapOf = tuple[_Texels, tuple[str, str], str, tuple[_Vector, _Vector], bool]
+_Map = _MapOf[Texels]
+_MapOut = _MapOf[int]
 # What it gives off, how steep its normal map is, how much its occlusion map counts.
 _Strengths = tuple[_Vector, float, float]
-_Material = tuple[
+_MaterialOf = tuple[
     _Vector,
     float,
-    _Map | None,
-    _Map | None,
-    str,
-    float,
-    bool,
-    bool,
-    str,
-    tuple[str, _Settings],
-    _Strengths,
-    list[tuple[str, _Map]],
-]
-_MaterialOut = tuple[
-    _Vector,
-    float,
-    _MapOut | None,
-    _MapOut | None,
+    _MapOf[_Texels] | None,
+    _MapOf[_Texels] | None,
     AlphaMode,
     float,
     bool,
@@ -101,8 +93,10 @@ _MaterialOut = tuple[
     str,
     tuple[MaterialKind, _Settings],
     _Strengths,
-    list[tuple[str, _MapOut]],
+    list[tuple[str, _MapOf[_Texels]]],
 ]
+_Material = _MaterialOf[Texels]
+_MaterialOut = _MaterialOf[int]
 # Position, aim and up; rows and columns; projection and where rays start; the lens' parameters.
 _View = tuple[
     tuple[npt.ArrayLike, npt.ArrayLike, npt.ArrayLike],
@@ -129,9 +123,9 @@ class _Model(TypedDict):
     lights: list[_Light]
     environment: _Environment | None
     background: list[_Vector] | None
-    shading: _ShadingOut | None
+    shading: _Shading | None
     display: tuple[float, ToneMapName]
-    edges: tuple[float, float, list[EdgeKind], tuple[float, float] | None, _Vector] | None
+    edges: _Edges | None
     has_view: bool
     up: _Vector
     up_is_guessed: bool
@@ -360,11 +354,6 @@ class EnvironmentMap:
     @staticmethod
     def read(path: Path, max_memory: int, max_texture: int) -> tuple[EnvironmentMap, list[str]]: ...
     def array(self) -> npt.NDArray[np.float32]: ...
-
-@final
-class Texels:
-    def __new__(cls, texels: npt.NDArray[np.uint8]) -> Texels: ...
-    def array(self) -> npt.NDArray[np.uint8]: ...
 
 @final
 class Shape:
@@ -600,6 +589,7 @@ def render_more(
 ) -> tuple[list[npt.NDArray[Any]], Accumulated]: ...
 def sampling(channels: Sequence[str]) -> list[str]: ...
 def read_plan(text: bytes, path: Path | None) -> str: ...
+def plan_file(folder: Path, name: str) -> Path: ...
 def place_in_plan(text: bytes, way: Sequence[str]) -> tuple[int, int] | None: ...
 def idle(settings: Sequence[str], channels: Sequence[str]) -> list[tuple[str, str]]: ...
 def idle_in_files(
@@ -637,12 +627,8 @@ def resolve(
 def draws(pixels: npt.NDArray[np.int64], sample: int, number: int, count: int) -> _Doubles: ...
 def color_names() -> tuple[list[str], list[str]]: ...
 def shader_settings(name: str) -> list[tuple[str, str]]: ...
-def check_shader(
-    name: str, settings: Sequence[tuple[str, _Value]]
-) -> list[tuple[str, bool | float | tuple[float, float, float]]]: ...
-def edge_defaults() -> tuple[
-    list[EdgeKind], tuple[float, float, list[EdgeKind], tuple[float, float] | None, _Vector]
-]: ...
+def check_shader(name: str, settings: _Settings) -> _Settings: ...
+def edge_defaults() -> tuple[list[EdgeKind], _Edges]: ...
 def check_light(light: _Light) -> None: ...
 def check_edges(edges: _Edges) -> None: ...
 def defaults() -> tuple[int, list[_Vector]]: ...

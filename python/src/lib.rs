@@ -72,7 +72,7 @@ mod _firsthit {
     #[pymodule_export]
     use crate::nearest::{closest_points, signed_distances};
     #[pymodule_export]
-    use crate::plan::{place_in_plan, read_plan};
+    use crate::plan::{place_in_plan, plan_file, read_plan};
     #[pymodule_export]
     use crate::run::all_threads;
     #[pymodule_export]

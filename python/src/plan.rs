@@ -21,6 +21,12 @@ pub(crate) fn read_plan(text: &[u8], path: Option<PathBuf>) -> Outcome<String> {
     })
 }
 
+/// The file that a plan in a folder names.
+#[pyfunction]
+pub(crate) fn plan_file(folder: PathBuf, name: &str) -> Outcome<PathBuf> {
+    firsthit::scene_file::plan_file(&folder, name).map_err(Raised::value)
+}
+
 /// The line and column in a plan to which keys and indices lead.
 #[pyfunction]
 pub(crate) fn place_in_plan(text: &[u8], way: Vec<String>) -> Option<(u64, u64)> {

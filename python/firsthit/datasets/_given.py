@@ -12,7 +12,6 @@ from firsthit import _firsthit
 from firsthit._sensors.conventions import rigid
 from firsthit._sensors.trajectory import Trajectory
 
-from ._paths import inside
 from ._place import Place
 
 if TYPE_CHECKING:
@@ -150,11 +149,11 @@ def _trajectory(table: Table, folder: FilePath) -> tuple[Trajectory, tuple[FileP
     if "file" in table:
         files = []
         with table.blaming("file"):
-            files.append(inside(folder, table["file"]))
+            files.append(_firsthit.plan_file(folder, table["file"]))
         form = table.get("format", "csv")
         if "times_file" in table:
             with table.blaming("times_file"):
-                files.append(inside(folder, table["times_file"]))
+                files.append(_firsthit.plan_file(folder, table["times_file"]))
         with table.blaming():
             times = files[1] if len(files) > 1 else None
             return Trajectory.load(files[0], form, times=times, **how), tuple(files)
@@ -182,7 +181,7 @@ class Listed:
         files: tuple[FilePath, ...] = ()
         if "file" in table:
             with table.blaming("file"):
-                files = (inside(folder, table["file"]),)
+                files = (_firsthit.plan_file(folder, table["file"]),)
                 given = _array(files[0])
         else:
             given = np.array([rows[:3] for rows in table.numbers("matrices")])

@@ -5,11 +5,11 @@ from __future__ import annotations
 from inspect import signature
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+from firsthit import _firsthit
 from firsthit._lidar.lidar import Lidar
 from firsthit._lidar.scan import settings_of
 
 from ._cameras import matrix
-from ._paths import inside
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -65,7 +65,7 @@ def lidar(table: Table, name: str, folder: Path) -> LidarSensor:
         make = _named(table)
     elif "file" in table:
         with table.blaming("file"):
-            file = inside(folder, table["file"])
+            file = _firsthit.plan_file(folder, table["file"])
         make = _table_of(file)
     else:
         make = _of_pattern(table)

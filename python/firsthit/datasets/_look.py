@@ -14,7 +14,6 @@ from firsthit._looks.shading import Shader, shader_of
 from firsthit._parts.digest import of_file
 
 from ._lidars import LidarSensor
-from ._paths import inside
 from ._sensors import CameraSensor
 
 if TYPE_CHECKING:
@@ -49,7 +48,7 @@ def environment(table: Table, folder: Path) -> tuple[Environment | None, tuple[P
         if "daylight" in given:
             return Environment.daylight(**day, **common), ()
     with given.blaming("file"):
-        path = inside(folder, given["file"])
+        path = _firsthit.plan_file(folder, given["file"])
     with given.blaming():
         return _read(path, of_file(path), _turn(given), tuple(common.items())), (path,)
 

@@ -4,10 +4,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
+from firsthit import _firsthit
 from firsthit._parts.scene_store import read
 from firsthit.annotations import Keypoints
-
-from ._paths import inside
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -42,7 +41,7 @@ def scenes(tables: list[Table], folder: Path) -> tuple[PlannedScene, ...]:
     made: dict[str, PlannedScene] = {}
     for table in tables:
         with table.blaming("file"):
-            path = inside(folder, table["file"])
+            path = _firsthit.plan_file(folder, table["file"])
         name = table.get("name", table["file"])
         if name in made:
             raise table.refused("name", f"two scenes have the name {name!r}; give them others")

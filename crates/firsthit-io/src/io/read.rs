@@ -174,11 +174,14 @@ pub(crate) fn sibling(
     Err(reason.unwrap_or_else(|| "not found in the folders that are allowed".to_owned()))
 }
 
+/// The reason why a path is refused whose name is not.
+const OUTSIDE: &str = "refused: it leads outside the folder";
+
 /// A regular file in canonical form, so that no symbolic link leads out of the folders.
 fn within_any(path: &Path, tops: &[PathBuf]) -> std::result::Result<PathBuf, String> {
     let path = path.canonicalize().map_err(|error| error.to_string())?;
     if !tops.iter().any(|top| path.starts_with(top)) {
-        return Err("refused: it leads outside the scene's folder".to_owned());
+        return Err(OUTSIDE.to_owned());
     }
     let metadata = fs::metadata(&path).map_err(|error| error.to_string())?;
     check_regular(&metadata).map_err(|error| error.to_string())?;
@@ -194,6 +197,17 @@ fn folder_of(scene: &Path) -> std::result::Result<PathBuf, String> {
     folder.canonicalize().map_err(|error| error.to_string())
 }
 
+/// The file that `name` is in `folder` or below, where nothing else may be read.
+///
+/// # Errors
+///
+/// In words, why it is refused or cannot be found.
+pub fn within(folder: &Path, name: &str) -> std::result::Result<PathBuf, String> {
+    check_plain_name(name)?;
+    let top = folder.canonicalize().map_err(|error| error.to_string())?;
+    within_any(&top.join(name), &[top])
+}
+
 /// The file that a scene at `scene` wants written as `name`, under the scene's folder. It need not
 /// be there, nor need its folder.
 ///
@@ -201,10 +215,7 @@ fn folder_of(scene: &Path) -> std::result::Result<PathBuf, String> {
 ///
 /// In words, why it is refused.
 pub fn sibling_to_be(scene: &Path, name: &str) -> std::result::Result<PathBuf, String> {
-    if name.contains('\\') {
-        return Err("refused: the name has a backslash; folders are separated by /".to_owned());
-    }
-    check_name(name).map_err(|refused| refused.why)?;
+    check_plain_name(name)?;
     let path = scene.parent().unwrap_or(Path::new("")).join(name);
     let top = folder_of(scene)?;
     // The parts of the path that exist must not lead out of the folder. The others cannot be links.
@@ -212,13 +223,21 @@ pub fn sibling_to_be(scene: &Path, name: &str) -> std::result::Result<PathBuf, S
     let is_within = there.is_none_or(|there| there.starts_with(&top));
     let is_link = path.ancestors().any(|part| part.is_symlink() && part.canonicalize().is_err());
     if !is_within || is_link {
-        return Err("refused: it leads outside the scene's folder".to_owned());
+        return Err(OUTSIDE.to_owned());
     }
     // To write to a FIFO waits for a reader, and a device is no place for a picture.
     if path.metadata().is_ok_and(|there| !there.is_file() && !there.is_dir()) {
         return Err("refused: it is no regular file".to_owned());
     }
     Ok(path)
+}
+
+/// Refuses a name as [`check_name`] does, and backslashes.
+fn check_plain_name(name: &str) -> std::result::Result<(), String> {
+    if name.contains('\\') {
+        return Err("refused: the name has a backslash; folders are separated by /".to_owned());
+    }
+    Ok(check_name(name).map_err(|refused| refused.why)?)
 }
 
 /// The reason why a name is refused.
@@ -245,7 +264,7 @@ fn check_name(name: &str) -> std::result::Result<(), Refused> {
         } else if name.starts_with('/') {
             "refused: the path is absolute; only relative paths are read"
         } else if name.split('/').any(|component| component == "..") {
-            "refused: the path has ..; only files under the scene's folder are read and written"
+            "refused: the path has ..; only files in the same folder and below are read and written"
         } else {
             return Ok(());
         }
@@ -272,6 +291,8 @@ mod tests {
             "a\0b",
         ] {
             let reason = sibling(Path::new("scene.obj"), name, &[]).unwrap_err();
+            assert!(reason.starts_with("refused"), "{name}: {reason}");
+            let reason = within(Path::new("."), name).unwrap_err();
             assert!(reason.starts_with("refused"), "{name}: {reason}");
         }
     }

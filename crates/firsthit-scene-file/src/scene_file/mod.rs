@@ -43,7 +43,7 @@ mod table;
 mod variant;
 
 #[doc(hidden)]
-pub use plan_text::{Mistake, place_in_plan, read_plan};
+pub use plan_text::{Mistake, place_in_plan, plan_file, read_plan};
 #[doc(hidden)]
 pub use schema::plan_schema;
 pub use schema::schema;

@@ -1,5 +1,7 @@
 //! The text of a plan: checked against its records, its values, and the places of them.
 
+use std::path::{Path, PathBuf};
+
 use toml::de::{DeTable, DeValue};
 
 use super::document::{Text, Value, integer, number};
@@ -7,6 +9,7 @@ use super::plan::PLAN;
 use super::section::{Section, in_order};
 use crate::error::{Place, Result};
 use crate::io::fault::{Checked, Fault};
+use crate::io::read;
 
 /// The reason why a text is no plan.
 #[doc(hidden)]
@@ -66,6 +69,16 @@ fn json_of_table(table: &DeTable<'_>) -> String {
     let entries = in_order(table).into_iter();
     let entries = entries.map(|(name, value)| entry(name.get_ref(), value.get_ref()));
     format!("{{{}}}", entries.collect::<Vec<_>>().join(","))
+}
+
+/// The file that a plan in `folder` names: it is there, in the folder or below.
+///
+/// # Errors
+///
+/// In words, the name and why it is refused or cannot be found.
+#[doc(hidden)]
+pub fn plan_file(folder: &Path, name: &str) -> std::result::Result<PathBuf, String> {
+    read::within(folder, name).map_err(|why| format!("{name:?}: {why}"))
 }
 
 /// The place of the value to which keys and indices lead, or of the last on the way that is there.

@@ -269,7 +269,7 @@ fn no_file_outside_the_folder_is_read_or_written() {
     }
     assert_eq!(
         refusal("[[outputs]]\nfile = '../a.png'"),
-        "scene.toml:2:8: '../a.png' is not written: refused: the path has ..; only files under the scene's folder are read and written"
+        "scene.toml:2:8: '../a.png' is not written: refused: the path has ..; only files in the same folder and below are read and written"
     );
     assert!(
         refusal("[[objects]]\nfile = 'scene.toml'")
