@@ -6,12 +6,14 @@ import time
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import closing
 from itertools import chain, repeat
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 
+from firsthit._base.arrays import flag, threads_or_all
 from firsthit._base.errors import FileWriteError
-from firsthit._base.progress import following
+from firsthit._base.progress import check, following
 
 from .engine import Task, results
+from .job import checked_part, range_of
 from .part import discard, seal, writing
 
 if TYPE_CHECKING:
@@ -64,10 +66,31 @@ class Work:
         raise FileWriteError._of(path, "something else comes in its place")
 
 
-def checked_on(on: On) -> None:
-    """Refuse what is no executor and makes none."""
-    if on is not None and not hasattr(on, "submit") and not callable(on):
-        raise TypeError(f"on must be an executor or a function that makes one, got {on!r}")
+class RunSettings(NamedTuple):
+    """The settings of doing a job, which change no byte of it."""
+
+    on: On
+    part: tuple[int, int] | None
+    threads: int | None
+    verify: bool
+    progress: Progress | None
+
+    @classmethod
+    def of(
+        cls,
+        on: On,
+        part: tuple[int, int] | None,
+        threads: int | None,
+        verify: bool,  # noqa: FBT001 - as it was given
+        progress: Progress | None,
+    ) -> RunSettings:
+        """Check what a user gave."""
+        threads_or_all(threads)
+        if on is not None and not hasattr(on, "submit") and not callable(on):
+            raise TypeError(f"on must be an executor or a function that makes one, got {on!r}")
+        checked_part(part)
+        check(progress)
+        return cls(on, part, threads, flag("verify", verify), progress)
 
 
 def is_here(on: On) -> bool:
@@ -78,21 +101,17 @@ def is_here(on: On) -> bool:
 def drive(
     parts: Parts,
     maker: Maker,
-    wanted: range,
-    *,
-    on: On,
-    verify: bool,
-    progress: Progress | None,
+    how: RunSettings,
     unit: str,
     given: Callable[[int], Any] | None = None,
 ) -> tuple[int, int]:
-    """Make those of some parts that are missing; return how many were made, and how many kept.
+    """Make the missing ones of a run's parts; return how many were made, and how many kept.
 
-    ``on`` does the work, as `results` has it. With ``verify`` the bytes of parts that are there are
-    compared. ``given`` returns what a task needs beside its number, when it is the task's turn.
+    ``given`` returns what a task needs beside its number, when it is the task's turn.
     """
+    wanted = range_of(how.part, parts.count)
     parts.open()
-    whole = parts.whole(wanted, verify=verify)
+    whole = parts.whole(wanted, verify=how.verify)
     kept = sum(whole)
 
     def tasks() -> Iterator[Task]:
@@ -100,7 +119,7 @@ def drive(
             if not is_whole:
                 yield Task(number, None if given is None else given(number))
 
-    made = make(Work(maker, parts), tasks(), on, progress, (len(wanted), kept, unit))
+    made = make(Work(maker, parts), tasks(), how.on, how.progress, (len(wanted), kept, unit))
     return made, kept
 
 

@@ -7,13 +7,10 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from firsthit._base.arrays import flag, threads_or_all
 from firsthit._base.errors import FileError
 from firsthit._base.log import timed
-from firsthit._base.progress import check
-from firsthit._parts.drive import checked_on, drive
+from firsthit._parts.drive import RunSettings, drive
 from firsthit._parts.folder import Parts
-from firsthit._parts.job import range_of
 from firsthit._parts.part import FRAMES, remove_leftovers
 from firsthit._parts.scene_store import forget, opened
 
@@ -138,26 +135,14 @@ def dataset(
     ((1, 1), (1, 1))
     """
     made = plan if isinstance(plan, Plan) else Plan.load(plan)
-    threads_or_all(threads)
-    folder, is_verified = Path(out).absolute(), flag("verify", verify)
-    checked_on(on)
-    check(progress)
-    wanted = range_of(part, made.frames)
-    run = uuid.uuid4().hex
+    how = RunSettings.of(on, part, threads, verify, progress)
+    folder, run = Path(out).absolute(), uuid.uuid4().hex
     marks = claim(run, folder, made, threads)
     remove_leftovers(folder)
     frames = Parts(folder, FRAMES, made.digest, made.frames)
     maker = _Frames(run, made, marks, threads)
     try:
-        count, kept = drive(
-            frames,
-            maker,
-            wanted,
-            on=on,
-            verify=is_verified,
-            progress=progress,
-            unit="frames",
-        )
+        count, kept = drive(frames, maker, how, "frames")
         missing, digest = frames.state()
         if digest is not None and count < made.frames:
             maker.refuse_changed()

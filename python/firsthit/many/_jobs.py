@@ -12,11 +12,9 @@ from typing import TYPE_CHECKING, Any, NamedTuple, cast
 import numpy as np
 
 from firsthit import _firsthit
-from firsthit._base.arrays import flag, threads_or_all
 from firsthit._base.errors import FileWriteError
-from firsthit._base.progress import check
 from firsthit._parts.digest import of_json
-from firsthit._parts.drive import Work, checked_on, drive, is_here, make
+from firsthit._parts.drive import Work, drive, is_here, make
 from firsthit._parts.engine import Task
 from firsthit._parts.folder import Parts
 from firsthit._parts.job import (
@@ -24,7 +22,6 @@ from firsthit._parts.job import (
     begin_job,
     checked_part,
     job_in,
-    range_of,
     refuse_other,
     write_job,
 )
@@ -36,15 +33,14 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from firsthit._looks.environment import Environment
-    from firsthit._parts.drive import Maker
-    from firsthit._parts.engine import On
-    from firsthit.typing import Progress, Selection
+    from firsthit._parts.drive import Maker, RunSettings
+    from firsthit.typing import Selection
 
     from ._rays import Batch
 
 
 class JobResult(NamedTuple):
-    """What a run came to.
+    """The result of a run.
 
     Attributes
     ----------
@@ -79,32 +75,6 @@ MOST_IN_A_STREAM = 10**9
 
 #: The scene that workers open, where no file was given that they can.
 _SCENE = f"scene{BUILT}"
-
-
-class How(NamedTuple):
-    """The settings of doing a job, which change no byte of it."""
-
-    on: On
-    part: tuple[int, int] | None
-    threads: int | None
-    verify: bool
-    progress: Progress | None
-
-    @classmethod
-    def of(
-        cls,
-        on: On,
-        part: tuple[int, int] | None,
-        threads: int | None,
-        verify: bool,  # noqa: FBT001 - as it was given
-        progress: Progress | None,
-    ) -> How:
-        """Check what a user gave."""
-        threads_or_all(threads)
-        checked_on(on)
-        checked_part(part)
-        check(progress)
-        return cls(on, part, threads, flag("verify", verify), progress)
 
 
 def shared(scene: Scene | str | os.PathLike[str]) -> SharedScene:
@@ -200,25 +170,15 @@ class Job:
     def do(
         self,
         maker: Maker,
-        how: How,
+        how: RunSettings,
         unit: str,
         given: Callable[[int], Any] | None = None,
     ) -> tuple[int, int]:
         """Make what is missing; return how many parts were made, and how many kept."""
-        wanted = range_of(how.part, self.count)
         if not is_here(how.on):
             self.scene.save(self.out / _SCENE)
         try:
-            return drive(
-                self.parts,
-                maker,
-                wanted,
-                on=how.on,
-                verify=how.verify,
-                progress=how.progress,
-                unit=unit,
-                given=given,
-            )
+            return drive(self.parts, maker, how, unit, given)
         finally:
             forget(self.scene.run)
 
@@ -243,7 +203,7 @@ class Stream(Job):
     def _compared(self) -> dict[str, Any]:
         return {name: value for name, value in self._said.items() if name != "parts"}
 
-    def do_all(self, maker: Maker, how: How, batches: Iterator[Batch]) -> tuple[int, int]:
+    def do_all(self, maker: Maker, how: RunSettings, batches: Iterator[Batch]) -> tuple[int, int]:
         """Make the parts that are missing, one of each batch of rays."""
         if not is_here(how.on):
             self.scene.save(self.out / _SCENE)

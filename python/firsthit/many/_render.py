@@ -17,10 +17,11 @@ from firsthit._looks.edges import Edges
 from firsthit._looks.lights import background_native
 from firsthit._looks.shading import Shader
 from firsthit._parts.digest import finite, of_arrays, of_json
+from firsthit._parts.drive import RunSettings
 from firsthit._parts.part import name_of
 from firsthit._pictures.render import render
 
-from ._jobs import How, Job, listed, lit, settled, shared
+from ._jobs import Job, listed, lit, settled, shared
 from ._names import file_name, identity
 from ._rays import digest_of
 
@@ -185,7 +186,7 @@ def render_many(
     4
     """
     given = locals()
-    how = How.of(on, part, threads, verify, progress)
+    how = RunSettings.of(on, part, threads, verify, progress)
     if not isinstance(cameras, Mapping | Sequence) or isinstance(cameras, str | bytes):
         raise TypeError(f"cameras must be a sequence or a mapping of cameras, got {cameras!r}")
     names = [file_name(name) for name in cameras] if isinstance(cameras, Mapping) else None

@@ -14,13 +14,13 @@ from firsthit._base.errors import FileFormatError
 from firsthit._files.channels import distinct
 from firsthit._files.whole import write
 from firsthit._parts.digest import of_arrays
-from firsthit._parts.drive import is_here
+from firsthit._parts.drive import RunSettings, is_here
 from firsthit._parts.records import open_inside
 from firsthit._queries.channels import OF_RAYS
 
 from ._fold import Bits, Fold, Histogram, Minimum, Sum, checked
 from ._hit_files import EXTENSIONS, check_package, write_hits
-from ._jobs import How, Job, Stream, listed, settled, shared
+from ._jobs import Job, Stream, listed, settled, shared
 from ._names import identity
 from ._rays import Batch, source_of
 
@@ -138,7 +138,7 @@ def shoot_many(
     >>> made.parts, int(made.result["count"])
     (3, 500)
     """
-    how = How.of(on, part, threads, verify, progress)
+    how = RunSettings.of(on, part, threads, verify, progress)
     size = count("part_size", part_size, 1)
     one_of("save", save, EXTENSIONS)
     if fold is not None and not isinstance(fold, Fold):

@@ -13,11 +13,11 @@ from firsthit._base.arrays import count, number, vectors
 from firsthit._base.errors import FileFormatError, FileReadError, FileWriteError, blaming
 from firsthit._files.whole import write
 from firsthit._parts.digest import of_arrays
-from firsthit._parts.drive import is_here
+from firsthit._parts.drive import RunSettings, is_here
 from firsthit._parts.files import link
 from firsthit._parts.records import open_inside, read
 
-from ._jobs import How, Job, listed, settled, shared
+from ._jobs import Job, listed, settled, shared
 from ._shared_arrays import SharedArrays
 
 if TYPE_CHECKING:
@@ -105,7 +105,7 @@ def visible_many(
            [False,  True,  True,  True],
            [ True, False,  True,  True]])
     """
-    how = How.of(on, part, threads, verify, progress)
+    how = RunSettings.of(on, part, threads, verify, progress)
     ends = {name: vectors(name, given) for name, given in (("a", a), ("b", b))}
     for name, array in ends.items():
         if array.ndim != 2 or len(array) == 0:
