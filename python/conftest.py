@@ -1,4 +1,4 @@
-"""What pytest does before each test."""
+"""Preparation of each test for pytest."""
 
 import signal
 from pathlib import Path

@@ -1,1 +1,1 @@
-"""What every folder may use: errors, arguments to arrays, progress. It knows no scene."""
+"""The ground of all folders: errors, arguments to arrays, progress. It knows no scene."""

@@ -1,4 +1,4 @@
-"""What this build of firsthit is, and what is in a file."""
+"""Facts of this build of firsthit, and of files."""
 
 from __future__ import annotations
 

@@ -70,6 +70,18 @@ class Parser(argparse.ArgumentParser):
         raise UsageError(f"{message}; see {self.prog} --help")
 
 
+def output_of(arguments: argparse.Namespace, command: str) -> str:
+    """Return where to write, which must be given."""
+    if not arguments.output:
+        raise UsageError(f"--output must be given, and not empty; see firsthit {command} --help")
+    return str(arguments.output)
+
+
+def progress_of(arguments: argparse.Namespace) -> bool | None:
+    """Tell whether a line shows how far the work is: where somebody may look, who wants to."""
+    return (not (arguments.quiet or arguments.verbose) and sys.stderr.isatty()) or None
+
+
 def run(
     argv: Sequence[str],
     parser: Parser,

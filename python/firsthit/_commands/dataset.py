@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 import re
-import sys
 import time
 from typing import TYPE_CHECKING, Any
 
@@ -13,7 +12,7 @@ from firsthit.datasets import Plan, dataset
 from firsthit.datasets._job import checked
 from firsthit.many import processes
 
-from ._program import Parser, UsageError, run
+from ._program import Parser, UsageError, output_of, progress_of, run
 from ._words import count, direction, size
 
 if TYPE_CHECKING:
@@ -92,28 +91,25 @@ def _work(arguments: argparse.Namespace) -> tuple[str | None, dict[str, Any]]:
             if getattr(arguments, name):
                 raise UsageError(f"--check makes nothing: leave out --{name}")
         return _checked(Plan.load(arguments.plan), arguments)
-    if not arguments.output:
-        raise UsageError("--output must be given, and not empty; see firsthit dataset --help")
-    began = time.monotonic()
-    shows = not (arguments.quiet or arguments.verbose) and sys.stderr.isatty()
+    output, began = output_of(arguments, "dataset"), time.monotonic()
     threads, workers = arguments.threads, arguments.workers
     if workers is not None and threads is None:
         threads = max(1, _firsthit.all_threads() // workers)
     made = dataset(
         arguments.plan,
-        arguments.output,
+        output,
         on=None if workers is None else processes(workers),
         part=arguments.part,
         threads=threads,
         verify=arguments.verify,
-        progress=True if shows else None,
+        progress=progress_of(arguments),
     )
-    text = f"{arguments.output}: {count(made.made, 'frame')} made, {made.kept} kept"
+    text = f"{output}: {count(made.made, 'frame')} made, {made.kept} kept"
     text += f", {made.missing} missing" if made.missing else f", all {made.frames} there"
     if made.digest is not None:
         text += f"\ndigest {made.digest}"
     seconds = round(time.monotonic() - began, 3)
-    report = {"output": arguments.output, **made._asdict(), "seconds": seconds}
+    report = {"output": output, **made._asdict(), "seconds": seconds}
     return None if arguments.quiet else text, report
 
 

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import sys
 from typing import TYPE_CHECKING, Any
 
 from firsthit.many import pack
 
-from ._program import Parser, UsageError, run
+from ._program import Parser, output_of, progress_of, run
 from ._words import count, size, whole
 
 if TYPE_CHECKING:
@@ -74,23 +73,21 @@ def _parser() -> Parser:
 
 
 def _work(arguments: argparse.Namespace) -> tuple[str | None, dict[str, Any]]:
-    if not arguments.output:
-        raise UsageError("--output must be given, and not empty; see firsthit pack --help")
-    shows = not (arguments.quiet or arguments.verbose) and sys.stderr.isatty()
+    output = output_of(arguments, "pack")
     made = pack(
         arguments.folder,
-        arguments.output,
+        output,
         size=arguments.size * _MEGABYTE,
         parts=arguments.parts,
         partial=arguments.partial,
-        progress=True if shows else None,
+        progress=progress_of(arguments),
     )
-    text = f"{arguments.output}: {count(made.samples, 'sample')} of {count(made.parts, 'part')}"
+    text = f"{output}: {count(made.samples, 'sample')} of {count(made.parts, 'part')}"
     text += f" in {count(len(made.shards), 'tar file')}, {size(made.bytes)}"
     if made.missing:
         text += f"; {count(made.missing, 'part')} missing"
     report = {
-        "output": arguments.output,
+        "output": output,
         **made._asdict(),
         "shards": [path.name for path in made.shards],
     }

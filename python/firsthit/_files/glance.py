@@ -1,4 +1,4 @@
-"""What notebooks show of answers: sizes, ranges and a small picture, at one glance."""
+"""Answers as notebooks show them: sizes, ranges and a small picture, at one glance."""
 
 from __future__ import annotations
 

@@ -1,1 +1,1 @@
-"""What things look like: materials, lights, environments, shading. It knows no objects."""
+"""The looks of things: materials, lights, environments, shading. It knows no objects."""

@@ -397,8 +397,6 @@ class PointQueries(Traceable):
         use, shape = threads_or_all(threads), array.shape[:-1]
         many = 1 if k is None else whole("k", k, 1, 2**31 - 1)
         within = number("radius", radius)
-        if not within >= 0:
-            raise ValueError(f"radius must be zero or positive, got {radius!r}")
         with following(progress, math.prod(shape)) as report:
             distance, identifiers, primitive, point, weights = _firsthit.closest_points(
                 built.native, plain(array.reshape(-1, 3)), (many, within), use, report

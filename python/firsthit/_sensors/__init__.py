@@ -1,1 +1,1 @@
-"""What makes rays: cameras, and what other programs say of them. It knows no hits."""
+"""Sensors, which make rays: cameras, scanners, and files of them. It knows no hits."""

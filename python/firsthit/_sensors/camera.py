@@ -148,9 +148,7 @@ class Camera(ReadCameras):
         focus: float | None = None,
     ) -> None:
         lengths = {"focal_length": focal_length, "width": width, "height": height}
-        if text("projection", projection) not in get_args(Projection):
-            names = ", ".join(get_args(Projection))
-            raise ValueError(f"projection must be one of {names}, got {projection!r}")
+        one_of("projection", text("projection", projection), get_args(Projection))
         has_viewplane = projection in FLAT
         for name, length in lengths.items():
             if has_viewplane != (length is not None):

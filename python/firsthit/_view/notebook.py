@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import base64
 import html
+from importlib import import_module
+from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -97,8 +99,6 @@ class NotebookView:
         if self._engine != "kernel":
             # The ordinary way: all of it is HTML.
             raise NotImplementedError
-        from importlib import import_module
-
         from .widget import PageWidget
 
         display = import_module("IPython.display").display
@@ -127,16 +127,12 @@ def notebook_view(
         engine = "page" if is_page or not has_widgets() else "kernel"
     if engine == "kernel" and not has_widgets():
         raise ImportError('the engine "kernel" takes anywidget: pip install anywidget')
-    from .view import viewer_of
-
     viewer = viewer_of(scene, camera, title, **given)
     return NotebookView(viewer, title, engine, height)
 
 
 def has_widgets() -> bool:
     """Return whether anywidget is there."""
-    from importlib.util import find_spec
-
     return find_spec("anywidget") is not None
 
 

@@ -18,7 +18,8 @@ if TYPE_CHECKING:
     from firsthit._sensors.lines import PictureSensor
 
     from ._box import Box3D
-    from ._coco import MaskForm, MaskKind
+    from ._coco import MaskForm
+    from ._files import MaskKind
     from ._keypoints import Keypoint, Keypoints
     from ._mask import Mask
 

@@ -10,7 +10,7 @@ from firsthit import _firsthit
 from firsthit._base.arrays import one_of
 from firsthit._files.whole import write
 
-from ._files import as_json, class_numbers, class_of, named, refused
+from ._files import MaskKind, as_json, class_numbers, class_of, named, refused, shown_mask
 
 if TYPE_CHECKING:
     import os
@@ -21,8 +21,6 @@ if TYPE_CHECKING:
     from ._keypoints import Keypoints
     from ._mask import Mask
 
-#: Which of an instance's masks is meant.
-MaskKind = Literal["visible", "amodal"]
 #: How a mask is written.
 MaskForm = Literal["polygon", "rle"]
 
@@ -86,10 +84,7 @@ def to_coco(
         rows, columns = picture.shape
         images.append({"id": number, "file_name": name, "width": columns, "height": rows})
         for instance in picture.instances:
-            mask = instance.visible if masks == "visible" else instance.amodal
-            if mask.box is None:
-                why = f"its {masks} mask has no pixels"
-                raise refused(name, instance, why)
+            mask, box = shown_mask(name, instance, masks)
             class_name = class_of(name, instance)
             record: dict[str, Any] = {
                 "id": len(made) + 1,
@@ -98,7 +93,7 @@ def to_coco(
                 "iscrowd": 0,
                 "segmentation": _segmentation(mask, form),
                 "area": float(mask.pixels),
-                "bbox": [float(edge) for edge in mask.box],
+                "bbox": [float(edge) for edge in box],
                 "amodal_bbox": [float(edge) for edge in instance.amodal_box or ()],
                 "visibility": instance.visibility,
                 # JSON has no NaN, which a lens with distortion has here.

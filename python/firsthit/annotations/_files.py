@@ -1,11 +1,11 @@
-"""What all formats share: pictures by name, classes by number, rigid poses."""
+"""Shared parts of the formats: pictures by name, classes by number, rigid poses."""
 
 from __future__ import annotations
 
 import json
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
@@ -18,13 +18,17 @@ from ._annotations import Annotations
 if TYPE_CHECKING:
     import numpy.typing as npt
 
-    from ._annotations import Instance
+    from ._annotations import BoxInPicture, Instance
+    from ._mask import Mask
 
     Floats = npt.NDArray[np.float64]
 
 
 #: Pictures by the names of their files, or in an order that numbers them; or one.
 Pictures = Mapping[str, Annotations] | Sequence[Annotations] | Annotations
+
+#: Which of an instance's masks is meant.
+MaskKind = Literal["visible", "amodal"]
 
 #: Units by name, in metres.
 _UNITS = {"mm": 1e-3, "cm": 1e-2, "m": 1.0, "km": 1e3, "in": 0.0254, "ft": 0.3048}
@@ -92,6 +96,14 @@ def refused(picture: str, instance: Instance, why: str) -> ValueError:
     """Return the error for an instance that a format cannot hold."""
     what = f"instance {instance.id}" + (f" ({instance.name!r})" if instance.name else "")
     return ValueError(f"{picture}: {what} cannot be written: {why}")
+
+
+def shown_mask(picture: str, instance: Instance, kind: MaskKind) -> tuple[Mask, BoxInPicture]:
+    """Return a mask of an instance and its box, which formats want."""
+    mask = instance.visible if kind == "visible" else instance.amodal
+    if mask.box is None:
+        raise refused(picture, instance, f"its {kind} mask has no pixels")
+    return mask, mask.box
 
 
 def still(picture: str, annotations: Annotations, form: str) -> Camera:

@@ -11,8 +11,7 @@ import numpy as np
 from firsthit._base.arrays import number, one_of
 from firsthit._files.whole import write
 
-from ._coco import MaskKind
-from ._files import class_of, meters, named, refused, rotation_and_scale, stems, still
+from ._files import MaskKind, class_of, meters, named, refused, rotation_and_scale, stems, still
 
 if TYPE_CHECKING:
     import os

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from functools import partial
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -61,9 +62,7 @@ def silhouette(
     span = None if flat is None else reach(camera, flat, box)
     inside = whole if span is None else span.within(whole)
 
-    def alone(rays: tuple[Floats, Floats]) -> Bools:
-        return _met(built, objects, *rays, threads)
-
+    alone = partial(_met, built, objects, threads)
     mask = _of_picture(camera, inside, alone)
     if sees_everything(camera):
         return Silhouette(mask, mask.pixels, mask.box, 0.0 if mask.pixels else math.nan)
@@ -87,11 +86,8 @@ def silhouette_by_lines(
     there are no lines, and so no pixels.
     """
     part = picture(camera) if box is None else Lines(camera).part(box.corners_in_world)
-
-    def alone(rays: tuple[Floats, Floats]) -> Bools:
-        return _met(built, objects, *rays, threads)
-
-    return Silhouette(_of_picture(camera, part, alone), None, None, math.nan)
+    mask = _of_picture(camera, part, partial(_met, built, objects, threads))
+    return Silhouette(mask, None, None, math.nan)
 
 
 def _of_picture(camera: Sensor, part: Reach, alone: _Alone) -> Mask:
@@ -154,18 +150,18 @@ def _beyond(camera: Camera, flat: Plane, mask: Mask, span: Reach, alone: _Alone)
 def _met(
     built: Built,
     objects: Sequence[int],
-    origins: Floats,
-    directions: Floats,
     threads: int | None,
+    rays: tuple[Floats, Floats],
 ) -> Bools:
     """Tell which rays meet any of some objects, if no others are there."""
+    origins, directions = rays
     use, found = threads_or_all(threads), np.zeros(len(origins), np.bool_)
     for identifier in objects:
         left = np.flatnonzero(~found)
         only = Filters(only=np.array(identifier, np.int32))
-        rays = Rays.of(origins[left], directions[left], filters=only, are_own=True)
+        some = Rays.of(origins[left], directions[left], filters=only, are_own=True)
         for part in chunks(len(left)):
             answers = np.empty(part.stop - part.start, np.bool_)
-            _firsthit.occluded(built.native, rays.part(part), use, answers, None)
+            _firsthit.occluded(built.native, some.part(part), use, answers, None)
             found[left[part]] = answers
     return found

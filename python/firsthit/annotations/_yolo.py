@@ -9,14 +9,13 @@ from typing import TYPE_CHECKING, Literal, get_args
 from firsthit._base.arrays import one_of
 from firsthit._files.whole import write
 
-from ._coco import MaskKind
-from ._files import class_numbers, class_of, named, refused, stems
+from ._files import MaskKind, class_numbers, class_of, named, shown_mask, stems
 
 if TYPE_CHECKING:
     import os
     from collections.abc import Mapping, Sequence
 
-    from ._annotations import Annotations
+    from ._annotations import Annotations, BoxInPicture
     from ._files import Pictures
     from ._mask import Mask
 
@@ -95,19 +94,15 @@ def _labels(
 ) -> str:
     lines = []
     for instance in picture.instances:
-        mask = instance.visible if masks == "visible" else instance.amodal
-        if mask.box is None:
-            raise refused(name, instance, f"its {masks} mask has no pixels")
-        shares = _box(mask) if task == "detect" else _outline(mask)
+        mask, box = shown_mask(name, instance, masks)
+        shares = _box(mask, box) if task == "detect" else _outline(mask)
         numbered = numbers[class_of(name, instance)]
         lines.append(" ".join((str(numbered), *(f"{share:.9g}" for share in shares))) + "\n")
     return "".join(lines)
 
 
-def _box(mask: Mask) -> list[float]:
-    (rows, columns), box = mask.shape, mask.box
-    assert box is not None
-    left, top, width, height = box
+def _box(mask: Mask, box: BoxInPicture) -> list[float]:
+    (rows, columns), (left, top, width, height) = mask.shape, box
     middle = (left + 0.5 * width) / columns, (top + 0.5 * height) / rows
     return [*middle, width / columns, height / rows]
 

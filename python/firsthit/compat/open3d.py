@@ -31,6 +31,8 @@ from ._tensors import array_of, asked_about, is_tensor, like, or_zero, parts_of
 if TYPE_CHECKING:
     import numpy.typing as npt
 
+    from firsthit._queries.hits import Hits
+    from firsthit._queries.of_points import ClosestPoints
     from firsthit.typing import FillRule, MeshLike, TensorMeshLike, TriangleMeshLike
 
     from ._tensors import Asked, Tensor
@@ -139,21 +141,9 @@ class RaycastingScene:
         """
         asked = self._asked("rays", rays, 6)
         origins, directions = asked.rays()
-        hits = self._scene.shoot(
-            origins,
-            directions,
-            t_min=TOUCHING,
-            dtype=asked.dtype,
-            threads=self._threads(nthreads),
-        )
-        is_hit = hits.object >= 0
-        return {
-            "t_hit": asked.number(hits.t),
-            "geometry_ids": asked.identifier(hits.object),
-            "primitive_ids": asked.identifier(hits.primitive),
-            "primitive_uvs": asked.number(or_zero(is_hit, hits.barycentric[..., 1:])),
-            "primitive_normals": asked.number(self._normals_of(hits.object, hits.primitive)),
-        }
+        how: dict[str, Any] = {"dtype": asked.dtype, "threads": self._threads(nthreads)}
+        hits = self._scene.shoot(origins, directions, t_min=TOUCHING, **how)
+        return {"t_hit": asked.number(hits.t), **self._surface(asked, hits)}
 
     def test_occlusions(
         self,
@@ -176,17 +166,10 @@ class RaycastingScene:
         (...) array or tensor of bool
             Whether there is a hit.
         """
-        asked = self._asked("rays", rays, 6)
-        origins, directions = asked.rays()
-        return asked.answer(
-            self._scene.occluded(
-                origins,
-                directions,
-                t_min=float(np.nextafter(tnear, -math.inf)),
-                t_max=tfar,
-                threads=self._threads(nthreads),
-            )
-        )
+        asked, threads = self._asked("rays", rays, 6), self._threads(nthreads)
+        least = float(np.nextafter(tnear, -math.inf))
+        hides = self._scene.occluded(*asked.rays(), t_min=least, t_max=tfar, threads=threads)
+        return asked.answer(hides)
 
     def count_intersections(self, rays: npt.ArrayLike | Tensor, nthreads: int = 0) -> Any:
         """Count how often each ray crosses a mesh.
@@ -260,13 +243,7 @@ class RaycastingScene:
         """
         asked = self._asked("query_points", query_points, 3)
         found = self._scene.closest_point(asked.array, threads=self._threads(nthreads))
-        return {
-            "points": asked.number(found.point),
-            "geometry_ids": asked.identifier(found.object),
-            "primitive_ids": asked.identifier(found.primitive),
-            "primitive_uvs": asked.number(or_zero(found.object >= 0, found.barycentric[..., 1:])),
-            "primitive_normals": asked.number(self._normals_of(found.object, found.primitive)),
-        }
+        return {"points": asked.number(found.point), **self._surface(asked, found)}
 
     def compute_distance(self, query_points: npt.ArrayLike | Tensor, nthreads: int = 0) -> Any:
         """Measure how far points are from the nearest mesh.
@@ -405,6 +382,16 @@ class RaycastingScene:
     def _asked(self, name: str, given: Any, columns: int) -> Asked:
         """Return what was asked about, (..., columns)."""
         return asked_about(name, given, columns, wants_tensors=self._is_open3d)
+
+    def _surface(self, asked: Asked, met: Hits | ClosestPoints) -> dict[str, Any]:
+        """Return the surfaces of first hits or of closest points; zeros where there are none."""
+        weights = or_zero(met.object >= 0, met.barycentric[..., 1:])
+        return {
+            "geometry_ids": asked.identifier(met.object),
+            "primitive_ids": asked.identifier(met.primitive),
+            "primitive_uvs": asked.number(weights),
+            "primitive_normals": asked.number(self._normals_of(met.object, met.primitive)),
+        }
 
     def _inside(self, points: npt.NDArray[Any], threads: int | None) -> npt.NDArray[np.bool_]:
         flat = points.reshape(-1, 3)

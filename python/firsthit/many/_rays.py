@@ -7,8 +7,9 @@ import itertools
 import json
 import math
 import os
+from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -104,47 +105,40 @@ def _flat(array: npt.NDArray[Any], shape: tuple[int, ...], name: str) -> npt.NDA
     return plain.reshape(()) if plain.size == 1 else np.broadcast_to(plain, shape).reshape(-1)
 
 
-class RaySource(Protocol):
+class RaySource(ABC):
     """Rays of a job, of which a worker makes those of a part."""
 
     #: How many parts there are.
     parts: int
 
+    @abstractmethod
     def said(self) -> dict[str, Any]:
         """Return what the file of the job says of them."""
-        ...
 
-    def share(self, folder: Path) -> None:
+    def share(self, folder: Path) -> None:  # noqa: B027 - most share nothing
         """Write what workers in other processes read, to a folder."""
-        ...
 
     def given(self, part: int) -> Any:
-        """Return what a worker needs for a part beside this source."""
-        ...
+        """Return what a worker needs for a part beside this source, if anything."""
+        return None
 
+    @abstractmethod
     def batch(self, part: int, given: Any) -> Batch:
         """Return the rays of a part, in a worker."""
-        ...
 
 
 def source_of(rays: Any, size: int) -> RaySource:
     """Return the source of what a user gave, in parts of ``size`` rays."""
-    if isinstance(rays, Sensor):
-        return _OfSensors([rays], size)
-    if isinstance(rays, str | os.PathLike):
-        return _OfFiles(ray_files(rays), size)
-    if isinstance(rays, Sequence) and rays and all(isinstance(one, Sensor) for one in rays):
-        return _OfSensors(list(rays), size)
-    if (
-        isinstance(rays, Sequence)
-        and rays
-        and all(isinstance(one, str | os.PathLike) for one in rays)
-    ):
+    is_one = isinstance(rays, Sensor | str | os.PathLike)
+    several: list[Any] = [rays] if is_one else list(rays) if isinstance(rays, Sequence) else []
+    if several and all(isinstance(one, Sensor) for one in several):
+        return _OfSensors(several, size)
+    if several and all(isinstance(one, str | os.PathLike) for one in several):
         return _OfFiles(ray_files(rays), size)
     return _OfArrays(Batch.of(rays), size)
 
 
-class _OfArrays:
+class _OfArrays(RaySource):
     """Rays that are in memory here, and for other processes in files that they map."""
 
     def __init__(self, rays: Batch, size: int) -> None:
@@ -158,16 +152,12 @@ class _OfArrays:
     def share(self, folder: Path) -> None:
         self._arrays.share(folder)
 
-    def given(self, part: int) -> None:
-        del part
-
     def batch(self, part: int, given: Any) -> Batch:
-        del given
         rays = Batch(*(self._arrays[name] for name in Batch._fields))
         return rays.take(part * self._size, (part + 1) * self._size)
 
 
-class _OfSensors:
+class _OfSensors(RaySource):
     """The rays of the pixels of sensors, one sensor after the other, row by row."""
 
     def __init__(self, sensors: list[Sensor], size: int) -> None:
@@ -179,9 +169,6 @@ class _OfSensors:
     def said(self) -> dict[str, Any]:
         digest = digest_of(self._sensors)
         return {"kind": "sensors", "rays": self._ends[-1], "digest": digest}
-
-    def share(self, folder: Path) -> None:
-        del folder
 
     def given(self, part: int) -> list[tuple[Sensor, int, int]]:
         """Return the sensors of a part, each with its first pixel and the one behind its last."""
@@ -196,7 +183,6 @@ class _OfSensors:
         return pieces
 
     def batch(self, part: int, given: Any) -> Batch:
-        del part
         made = [
             _firsthit.rays_of_pixels(one._native, np.arange(first, end))
             for one, first, end in given
@@ -211,7 +197,7 @@ class _OfSensors:
         return {**self.__dict__, "_sensors": [], "_ends": []}
 
 
-class _OfFiles:
+class _OfFiles(RaySource):
     """Rays in files. No part has rays of two of them."""
 
     def __init__(self, files: list[RayFile], size: int) -> None:
@@ -228,14 +214,7 @@ class _OfFiles:
             "digest": of_json(files),
         }
 
-    def share(self, folder: Path) -> None:
-        del folder
-
-    def given(self, part: int) -> None:
-        del part
-
     def batch(self, part: int, given: Any) -> Batch:
-        del given
         k = bisect.bisect_right(self._ends, part)
         file = self._files[k]
         first = (part - (self._ends[k - 1] if k else 0)) * self._size
