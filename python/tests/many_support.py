@@ -37,6 +37,14 @@ def rays(count=10_000, seed=3):
     return origins, rng.normal(size=(count, 3)) - origins
 
 
+def batches(fail):
+    """Four batches of rays, of which one fails or none."""
+    for k in range(4):
+        if k == fail:
+            raise KeyError("no more")
+        yield rays(10, seed=k)
+
+
 def of_processes(workers, method):
     context = multiprocessing.get_context(method)
     return lambda: ProcessPoolExecutor(workers, mp_context=context)
@@ -56,7 +64,20 @@ def forge(path, change):
     path.write_text(json.dumps({**said, "check": of_json(said)}))
 
 
-class Suicide:
+class Counting:
+    """A fold of the number of hits."""
+
+    def __call__(self, hits):
+        return {"hits": np.array((hits.object >= 0).sum())}
+
+    def merge(self, first, second):
+        return {"hits": first["hits"] + second["hits"]}
+
+    def __repr__(self):
+        return type(self).__name__
+
+
+class Suicide(Counting):
     """A fold that kills its worker: at the first try of each part, always, or in one part."""
 
     def __init__(self, marks, *, is_always=False, only=None):
@@ -71,16 +92,10 @@ class Suicide:
         if kills:
             mark.touch()
             os.kill(os.getpid(), signal.SIGKILL)
-        return {"hits": np.array((hits.object >= 0).sum())}
-
-    def merge(self, first, second):
-        return {"hits": first["hits"] + second["hits"]}
-
-    def __repr__(self):
-        return "Suicide"
+        return super().__call__(hits)
 
 
-class Slow:
+class Slow(Counting):
     """A fold that takes its time; what it comes to does not depend on that."""
 
     def __init__(self, seconds=0.05):
@@ -88,13 +103,7 @@ class Slow:
 
     def __call__(self, hits):
         time.sleep(self.seconds)
-        return {"hits": np.array((hits.object >= 0).sum())}
-
-    def merge(self, first, second):
-        return {"hits": first["hits"] + second["hits"]}
-
-    def __repr__(self):
-        return "Slow"
+        return super().__call__(hits)
 
 
 class Wrong:

@@ -78,6 +78,19 @@ def bumpy_sphere(rings: int, seed: int) -> tuple[np.ndarray, np.ndarray]:
     return points.astype(np.float32), triangles
 
 
+class Dlpack:
+    """An array as torch has it on the CPU: it shares its memory by DLPack, and is no array."""
+
+    def __init__(self, array):
+        self.array = array
+
+    def __dlpack__(self, **options):
+        return self.array.__dlpack__(**options)
+
+    def __dlpack_device__(self):
+        return self.array.__dlpack_device__()
+
+
 def ball() -> fh.Scene:
     """A unit sphere at the origin."""
     scene = fh.Scene()

@@ -7,7 +7,7 @@ import firsthit as fh
 import numpy as np
 import pytest
 from firsthit.annotations import Keypoints, save_bop, save_kitti
-from support import things
+from support import ball, things
 
 ROWS, COLUMNS = 48, 72
 POSE = (0.5, 0.4, 6), (-0.1, -0.05, -1), (0.1, 1, 0)
@@ -101,8 +101,7 @@ def test_lines_of_sight_begin_on_the_viewplane(name):
 
 
 def test_bop_has_k_of_a_shifted_viewplane_and_refuses_distortions(tmp_path):
-    scene = fh.Scene()
-    scene.add(fh.Sphere((0, 0, 0), 1), name="ball")
+    scene = ball()
     for name in ("tilted", "opencv", "skewed parallel"):
         with pytest.raises(ValueError, match="camera has no matrix K for BOP"):
             save_bop(tmp_path, fh.annotate(scene, camera(name)), unit="m")

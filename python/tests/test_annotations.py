@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from firsthit._sensors.project import project
 from firsthit.annotations import Keypoints
-from support import TESTDATA, things, turned
+from support import TESTDATA, ball, things, turned
 
 RNG = np.random.default_rng(11)
 ROWS, COLUMNS = 60, 80
@@ -166,14 +166,13 @@ def test_the_visible_share_of_boxes_is_that_of_their_faces():
 
 def test_a_ball_behind_a_wall_is_seen_as_far_as_the_cap_of_its_circle():
     camera = fh.Camera((0, 0, 9), (0, 0, -1), (0, 1, 0), 1, 4, 4, 800, 800, "orthographic", "eye")
-    scene = fh.Scene()
-    scene.add(fh.Sphere((0, 0, 0), 1), name="ball")
+    scene = ball()
     scene.add(fh.Box((0.5, -2, 2), (2, 2, 3)), name="wall")
-    ball = fh.annotate(scene, camera, classes={"ball": "ball"}).instances[0]
+    one = fh.annotate(scene, camera, classes={"ball": "ball"}).instances[0]
     cap = math.acos(0.5) - 0.5 * math.sqrt(0.75)
     # Less than a pixel's width around a circle of 200 pixels.
-    assert ball.visibility == pytest.approx(1 - cap / math.pi, abs=2e-3)
-    assert ball.amodal_pixels * (4 / 800) ** 2 == pytest.approx(math.pi, abs=5e-3)
+    assert one.visibility == pytest.approx(1 - cap / math.pi, abs=2e-3)
+    assert one.amodal_pixels * (4 / 800) ** 2 == pytest.approx(math.pi, abs=5e-3)
 
 
 def test_boxes_in_space_hold_their_objects_and_touch_them():

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from support import ball
+from support import Dlpack, ball
 
 
 def rays(n=50):
@@ -141,17 +141,6 @@ class Foreign:
     def __init__(self):
         self.vertices = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0]])
         self.faces = np.array([[0, 1, 2]])
-
-
-class Dlpack:
-    def __init__(self, array):
-        self.array = array
-
-    def __dlpack__(self, **options):
-        return self.array.__dlpack__(**options)
-
-    def __dlpack_device__(self):
-        return self.array.__dlpack_device__()
 
 
 def test_foreign_meshes_and_arrays_are_taken():

@@ -9,6 +9,7 @@ import time
 import firsthit as fh
 import numpy as np
 import pytest
+from support import ball
 
 
 def sheet(height: float) -> fh.Mesh:
@@ -157,8 +158,7 @@ def test_limits_of_a_camera_have_its_shape() -> None:
 
 
 def test_misuse_is_told() -> None:
-    scene = fh.Scene()
-    scene.add(fh.Sphere((0, 0, 0), 1), name="ball")
+    scene = ball()
     with pytest.raises(ValueError, match="cull must be"):
         scene.shoot((0, 0, 5), (0, 0, -1), cull=np.array("front"))  # type: ignore[arg-type]
     with pytest.raises(TypeError, match="identifiers or names"):
@@ -166,8 +166,7 @@ def test_misuse_is_told() -> None:
 
 
 def test_a_name_stands_for_an_object() -> None:
-    scene = fh.Scene()
-    scene.add(fh.Sphere((0, 0, 0), 1), name="ball")
+    scene = ball()
     scene.add(fh.Sphere((5, 0, 0), 1), name="twin")
     scene.add(fh.Sphere((9, 0, 0), 1), name="twin")
     scene.move("ball", [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 2]])
@@ -181,8 +180,7 @@ def test_a_name_stands_for_an_object() -> None:
 
 
 def test_questions_about_some_objects_only() -> None:
-    scene = fh.Scene()
-    scene.add(fh.Sphere((0, 0, 0), 1), name="ball")
+    scene = ball()
     scene.add(fh.Box((2, -1, -1), (3, 1, 1)), name="box")
     points = [[0, 0, 0.25], [2.5, 0, 0]]
     assert scene.inside(points, objects="ball").tolist() == [True, False]

@@ -6,7 +6,7 @@ import pickle
 import firsthit as fh
 import numpy as np
 import pytest
-from support import SQUARE, ball
+from support import SQUARE, Dlpack, ball
 
 CAMERA = fh.Camera.look_at((1, 2, 5), (0, 0, 0), (0, 1, 0), 30, rows=30, columns=40)
 NAMES = ("t", "object", "primitive", "position", "normal", "front", "barycentric")
@@ -22,17 +22,6 @@ def rays(n):
     rng = np.random.default_rng(2)
     origins = rng.uniform(-4, 4, (n, 3))
     return origins, rng.uniform(-1, 1, (n, 3)) - origins
-
-
-class Dlpack:
-    def __init__(self, array):
-        self.array = array
-
-    def __dlpack__(self, **options):
-        return self.array.__dlpack__(**options)
-
-    def __dlpack_device__(self):
-        return self.array.__dlpack_device__()
 
 
 class Convertible:

@@ -15,7 +15,7 @@ import firsthit as fh
 import numpy as np
 import pytest
 from dataset_support import PLANS, plan, record, tree
-from many_support import cameras, forge, rays, scene
+from many_support import batches, cameras, forge, rays, scene
 
 POSIX = pytest.mark.skipif(sys.platform == "win32", reason="links and pipes are those of Unix")
 pytestmark = pytest.mark.usefixtures("workers_find_the_tests")
@@ -239,12 +239,6 @@ def test_nothing_to_pack_is_refused(tmp_path):
 
 
 def test_a_stream_without_an_end_is_packed_as_far_as_it_goes(tmp_path):
-    def batches(fail):
-        for k in range(4):
-            if k == fail:
-                raise KeyError("no more")
-            yield rays(10, seed=k)
-
     with pytest.raises(KeyError):
         fh.shoot_many(scene(), batches(3), tmp_path / "job", part=(2, 2))
     with pytest.raises(fh.FileFormatError, match="missing, nobody knows yet how many; partial"):

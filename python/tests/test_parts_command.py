@@ -9,7 +9,7 @@ from pathlib import Path
 import firsthit as fh
 import pytest
 from dataset_support import PLANS
-from many_support import cameras, forge, rays, scene
+from many_support import batches, cameras, forge, rays, scene
 
 POSIX = pytest.mark.skipif(sys.platform == "win32", reason="links and pipes are those of Unix")
 
@@ -75,12 +75,6 @@ def test_of_many_ranges_only_the_first_are_told(firsthit, tmp_path):
 
 
 def test_a_stream_without_an_end_has_no_number_of_parts(firsthit, tmp_path):
-    def batches(fail):
-        for k in range(4):
-            if k == fail:
-                raise KeyError("no more")
-            yield rays(10, seed=k)
-
     with pytest.raises(KeyError):
         fh.shoot_many(scene(), batches(3), tmp_path, part=(2, 2))
     code, out, _ = firsthit("parts", tmp_path)

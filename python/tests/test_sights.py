@@ -131,8 +131,7 @@ def test_the_thickness_of_a_bumpy_mesh_is_where_a_ray_next_meets_it():
 
 
 def test_hits_on_objects_that_are_not_asked_for_have_no_thickness():
-    scene = fh.Scene()
-    scene.add(fh.Sphere((0, 0, 0), 1), name="ball")
+    scene = ball()
     scene.add(fh.Box((4, -1, -1), (6, 1, 1)), name="box")
     hits = scene.shoot([[0, 0, 9], [5, 0, 9], [9, 9, 9]], [0, 0, -1])
     np.testing.assert_array_equal(scene.thickness(hits, objects="box"), [np.inf, 2, np.nan])

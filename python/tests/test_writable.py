@@ -3,22 +3,9 @@
 import firsthit as fh
 import numpy as np
 import pytest
-from support import ball
+from support import Dlpack, ball
 
 RAYS = ([[0, 0, 5], [0, 0.6, 5], [0, 3, 5]], [0, 0, -1])
-
-
-class Tensor:
-    """As torch's on the CPU: it shares its memory by DLPack, and is no array."""
-
-    def __init__(self, array):
-        self.array = array
-
-    def __dlpack__(self, **how):
-        return self.array.__dlpack__(**how)
-
-    def __dlpack_device__(self):
-        return self.array.__dlpack_device__()
 
 
 def test_channels_and_attributes_fill_an_array_of_one_s_own():
@@ -32,7 +19,7 @@ def test_channels_and_attributes_fill_an_array_of_one_s_own():
         out = np.zeros(hits.channel(name).shape, dtype)
         assert hits.channel(name, out=out) is out
         np.testing.assert_array_equal(out, hits.channel(name).astype(dtype))
-    tensor = Tensor(np.zeros((3, 3)))
+    tensor = Dlpack(np.zeros((3, 3)))
     assert hits.channel("position", out=tensor) is tensor
     np.testing.assert_array_equal(tensor.array, hits.position)
     part = np.zeros((3, 2, 3))[:, 1]
