@@ -6,7 +6,6 @@ The package ``ray`` is imported when something here is used. Nothing here starts
 
 from __future__ import annotations
 
-import importlib
 import time
 from concurrent.futures import Executor, Future
 from concurrent.futures import wait as wait_for
@@ -16,6 +15,7 @@ from typing import TYPE_CHECKING, Any, ParamSpec, TypeVar
 import numpy as np
 
 from ._base.arrays import threads_or_all
+from ._base.optional import optional
 from ._files.channels import distinct
 from ._parts.scene_store import read
 from ._queries.channels import OF_RAYS
@@ -256,11 +256,8 @@ def _connected() -> Any:
     It is asked before each use: Ray starts a cluster by itself when its functions are called
     without one.
     """
-    try:
-        # Its name is this module's, too; that of the package is absolute.
-        ray: Any = importlib.import_module("ray")
-    except ImportError:
-        raise ImportError("this takes the package ray: pip install ray") from None
+    # Its name is this module's, too; that of the package is absolute.
+    ray = optional("ray", "this")
     if not ray.is_initialized():
         raise RuntimeError("Ray is not connected to a cluster: call ray.init before")
     return ray

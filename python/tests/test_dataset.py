@@ -460,7 +460,7 @@ def test_every_format_has_the_same_bytes_again(tmp_path):
 
 
 def test_a_missing_package_is_told_before_anything_is_made(tmp_path, monkeypatch):
-    monkeypatch.setattr("firsthit._lidar.lidar_scan.find_spec", lambda name: None)
+    monkeypatch.setitem(sys.modules, "pyarrow", None)
     made = fh.Plan.from_dict(plan(lambda made: made["output"].update(clouds="parquet")), PLANS)
     with pytest.raises(ImportError, match="parquet takes the package pyarrow"):
         fh.dataset(made, tmp_path / "out")

@@ -141,7 +141,7 @@ def test_a_channel_is_plotted_with_its_unit_and_without_misses(scene, camera):
 
 def test_a_plot_without_matplotlib_says_what_is_missing(scene, camera, monkeypatch):
     monkeypatch.setitem(sys.modules, "matplotlib.pyplot", None)
-    with pytest.raises(ImportError, match="plot takes matplotlib: pip install matplotlib"):
+    with pytest.raises(ImportError, match="plot takes the package matplotlib"):
         scene.shoot(camera).plot("t")
 
 

@@ -14,6 +14,7 @@ from firsthit import _firsthit
 from firsthit._base.arrays import count, text
 from firsthit._base.channel_hints import hint
 from firsthit._base.log import timed
+from firsthit._base.optional import optional
 from firsthit._looks.display import Display, as_display
 
 from .channels import files, is_of_one, matte_of, stored
@@ -394,10 +395,7 @@ class Frame(Plottable):
         ImportError
             Where xarray is missing.
         """
-        try:
-            import xarray
-        except ImportError:
-            raise ImportError("to_xarray takes the package xarray: pip install xarray") from None
+        datasets = optional("xarray", "to_xarray")
         said = self.metadata
         records = {record["name"]: record for record in said.get("channels", [])}
         x, y = (said.get("pixels") or {}).get("first_center", (0.5, 0.5))
@@ -414,7 +412,8 @@ class Frame(Plottable):
                 about[name] = json.dumps(said[name])
         rows, columns = self._shape
         places = {"row": np.arange(rows) + y, "column": np.arange(columns) + x}
-        return xarray.Dataset(variables, places, about)
+        made: xarray.Dataset = datasets.Dataset(variables, places, about)
+        return made
 
     def _write(
         self, path: Path, names: list[str], how: _firsthit._Stored, shown: Display | None = None

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import importlib
 from typing import TYPE_CHECKING, Any, get_args
 
 import numpy as np
 
+from firsthit._base.optional import optional
 from firsthit.typing import DistanceName, IdentifierName
 
 if TYPE_CHECKING:
@@ -59,11 +59,7 @@ class Plottable:
             wanted = "rows and columns of one number each"
             raise ValueError(f"{channel} must have {wanted}, got the shape {values.shape}")
         if ax is None:
-            try:
-                pyplot: Any = importlib.import_module("matplotlib.pyplot")
-            except ImportError:
-                raise ImportError("plot takes matplotlib: pip install matplotlib") from None
-            ax = pyplot.figure().add_subplot()
+            ax = optional("matplotlib.pyplot", "plot").figure().add_subplot()
         ax.set_facecolor("black")
         unit = f" ({_UNITS[channel]})" if channel in _UNITS else ""
         if channel in get_args(IdentifierName):

@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import importlib
 import io
 import json
 import os
-from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar
 
@@ -15,6 +13,7 @@ import numpy as np
 from firsthit import _firsthit
 from firsthit._base.arrays import copied, flag, lock
 from firsthit._base.log import timed
+from firsthit._base.optional import optional
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
@@ -25,15 +24,8 @@ if TYPE_CHECKING:
     from firsthit._queries.hits import Hits
     from firsthit.typing import ObjectKey
 
-#: What the columns of vectors are called in tables.
+#: The names of vectors' columns in tables.
 _VECTORS = {"point": ("x", "y", "z"), "sensor_point": ("sensor_x", "sensor_y", "sensor_z")}
-
-
-def lacking(extension: str) -> str | None:
-    """Return why a format cannot be written, ``None`` if it can be: what has to be installed."""
-    if extension != ".parquet" or find_spec("pyarrow") is not None:
-        return None
-    return "a .parquet takes the package pyarrow: pip install pyarrow"
 
 
 def shaped(columns: Iterable[tuple[str, npt.NDArray[Any]]]) -> dict[str, npt.NDArray[Any]]:
@@ -84,7 +76,7 @@ class LidarScan:
 
     _arrays: dict[str, npt.NDArray[Any]]
     _shape: tuple[int, int]
-    #: What was scanned, and how; as JSON, or to be.
+    #: The origin of the scan: what was scanned, and how; as JSON, or to be.
     _origin: str | ScanOrigin
 
     @classmethod
@@ -421,15 +413,10 @@ class LidarScan:
                 _firsthit.write_scan(Path(path), self._parts())
 
     def _parquet(self) -> bytes:
-        try:
-            pyarrow: Any = importlib.import_module("pyarrow")
-            parquet: Any = importlib.import_module("pyarrow.parquet")
-        except ImportError:
-            raise ImportError("a .parquet takes the package pyarrow: pip install pyarrow") from None
-        table = pyarrow.table(dict(self.to_dict()))
+        table = optional("pyarrow", "a .parquet").table(dict(self.to_dict()))
         table = table.replace_schema_metadata({"firsthit": json.dumps(self.metadata)})
         out = io.BytesIO()
-        parquet.write_table(table, out)
+        optional("pyarrow.parquet", "a .parquet").write_table(table, out)
         return out.getvalue()
 
     def __len__(self) -> int:

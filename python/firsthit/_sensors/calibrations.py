@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib
 import json
 import math
 import os
@@ -12,6 +11,7 @@ import numpy as np
 
 from firsthit._base.arrays import one_of
 from firsthit._base.errors import FileFormatError
+from firsthit._base.optional import optional
 
 from .colmap import content
 from .conventions import FISHEYE, OPENCV
@@ -138,11 +138,7 @@ class CalibrationFile:
 
     def yaml(self) -> _Table:
         """Return the table of the file's first document."""
-        try:
-            yaml: Any = importlib.import_module("yaml")
-        except ImportError:
-            why = "YAML files are read by PyYAML: pip install pyyaml"
-            raise ImportError(why) from None
+        yaml = optional("yaml", "a YAML file", "PyYAML")
         text = self._text()
         try:
             return _Table(next(iter(yaml.safe_load_all(text)), None), "")

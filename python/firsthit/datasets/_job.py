@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, cast
 
 from firsthit import _firsthit
 from firsthit._base.errors import FileFormatError
-from firsthit._lidar.lidar_scan import lacking
+from firsthit._base.optional import optional
 from firsthit._parts.job import JOB, begin_job, job_in, refuse_other
 from firsthit._parts.part import FRAMES
 from firsthit._parts.scene_store import Mark, keep, mark_of
@@ -84,9 +84,8 @@ def _marks(path: Path, known: dict[str, Any]) -> list[Mark]:
 
 def check_packages(plan: Plan) -> None:
     """Refuse formats whose packages are missing, as the first file of the format would."""
-    for form in plan._output.clouds:
-        if why := lacking(f".{form}"):
-            raise ImportError(why)
+    if "parquet" in plan._output.clouds:
+        optional("pyarrow", "a .parquet")
 
 
 def check(plan: Plan, number: int, scene: Scene, threads: int | None) -> Mark:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import functools
 import glob
 import hashlib
-import importlib
 import os
 import zipfile
 from pathlib import Path
@@ -14,6 +13,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from firsthit._base.errors import FileFormatError, FileMissingError, FileReadError, blaming
+from firsthit._base.optional import optional
 
 if TYPE_CHECKING:
     import numpy.typing as npt
@@ -27,7 +27,7 @@ FILES = (".npz", ".npy", ".parquet")
 #: How many bytes of a file's beginning and end are in a job's digest.
 _END = 1 << 16
 
-#: What the columns of tables are called, as in the program's CSV of rays.
+#: The names of columns, as in the program's CSV of rays.
 _COLUMNS = ("ox", "oy", "oz", "dx", "dy", "dz")
 _LIMITS = ("t_min", "t_max")
 
@@ -183,10 +183,7 @@ def _of_parquet(path: Path, first: int, last: int, version: object) -> Table:
 
 
 def _parquet(path: Path) -> Any:
-    try:
-        parquet: Any = importlib.import_module("pyarrow.parquet")
-    except ImportError:
-        raise ImportError("a .parquet takes the package pyarrow: pip install pyarrow") from None
+    parquet = optional("pyarrow.parquet", "a .parquet")
     try:
         file = parquet.ParquetFile(path)
         missing = [name for name in _COLUMNS if name not in file.schema_arrow.names]

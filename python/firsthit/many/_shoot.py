@@ -11,6 +11,7 @@ import numpy as np
 
 from firsthit._base.arrays import count, one_of
 from firsthit._base.errors import FileFormatError
+from firsthit._base.optional import optional
 from firsthit._files.channels import distinct
 from firsthit._files.whole import write
 from firsthit._parts.digest import of_arrays
@@ -19,7 +20,7 @@ from firsthit._parts.records import open_inside
 from firsthit._queries.channels import OF_RAYS
 
 from ._fold import Bits, Fold, Histogram, Minimum, Sum, checked
-from ._hit_files import EXTENSIONS, check_package, write_hits
+from ._hit_files import EXTENSIONS, write_hits
 from ._jobs import Job, Stream, listed, settled, shared
 from ._names import identity
 from ._rays import Batch, source_of
@@ -52,7 +53,7 @@ if TYPE_CHECKING:
         | Sequence[os.PathLike[str]]
     )
 
-#: What a fold came to, over all parts.
+#: The file of a fold's result over all parts.
 RESULT = "fold.npz"
 
 
@@ -143,8 +144,9 @@ def shoot_many(
     one_of("save", save, EXTENSIONS)
     if fold is not None and not isinstance(fold, Fold):
         raise TypeError(f"fold must be callable and have a method merge, got {fold!r}")
-    if fold is None:
-        check_package(save)
+    if fold is None and save == ".parquet":
+        # Before anything is shot.
+        optional("pyarrow", "a .parquet")
     wanted = [] if fold is not None else distinct(channels, OF_RAYS)
     share, objects = shared(scene), settled(objects)
     met = {"cull": cull, "objects": objects, "blend_below": blend_below}
