@@ -42,7 +42,7 @@ _Label = tuple[int, str]
 _Labels = tuple[_Label | None, _Label | None]
 _Seen = tuple[bool, bool]
 _Object = tuple[Shape, str, _Doubles | None, list[_Material], int, _Seen, _Labels]
-#: What has it, name, components, whether it is a label, numbers.
+#: A property: its owner, name, components, whether it is a label, numbers.
 _Property = tuple[str, str, int, bool, npt.NDArray[Any]]
 _Copies = tuple[_Doubles | None, _Doubles | None]
 _Value = bool | float | _Vector
@@ -563,7 +563,7 @@ def render(
     how: tuple[int, _Report | None],
 ) -> tuple[list[npt.NDArray[Any]], str]: ...
 
-#: What a picture looks like: the shading, the background, which way is up, samples, the region, the
+#: The look of a picture: the shading, the background, which way is up, samples, the region, the
 #: side that is passed through, lines, and the noise.
 _Picture = tuple[
     _Shading,

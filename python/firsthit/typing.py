@@ -71,12 +71,12 @@ AttributeChannel = NewType("AttributeChannel", str)
 #: ``MatteChannel("crypto_object:8")``. At run time it is the text itself, which will do. It serves
 #: for ambient occlusion up to a distance too: ``MatteChannel("ao:0.5")``.
 MatteChannel = NewType("MatteChannel", str)
-#: What pictures and files of hits can be asked for.
+#: A channel that pictures and files of hits can be asked for.
 Asked = ChannelName | AttributeChannel | MatteChannel
 
-#: What of a mesh has an attribute.
+#: The part of a mesh that has an attribute.
 AttributeOf = Literal["vertices", "corners", "faces"]
-#: What surfaces are made of.
+#: The kind of a material, see `Material`.
 MaterialKind = Literal["matte", "metal-rough", "glass"]
 ShaderName = Literal[
     "direct",
@@ -113,9 +113,9 @@ LightName = Literal["auto", "studio", "overcast", "sun", "headlight", "shoulder"
 Far = Literal["saturate", "zero"]
 
 ToneMapName = Literal["none", "neutral", "agx", "aces"]
-#: What makes a line of an edge, see `Edges`.
+#: The reason why an edge is a line, see `Edges`.
 EdgeKind = Literal["silhouette", "crease", "boundary", "object", "material", "wireframe"]
-#: What `Camera` takes; its docstring says what each is.
+#: A camera's projection; the docstring of `Camera` says what each is.
 Projection = Literal[
     "perspective",
     "orthographic",
@@ -153,7 +153,7 @@ RayStart = Literal["viewplane", "eye"]
 FovAxis = Literal["vertical", "horizontal", "diagonal"]
 #: Which ways the axes of a body point, see `Trajectory`.
 BodyName = Literal["right-up-backwards", "right-down-forwards", "forwards-left-up"]
-#: What is between the poses of a `Trajectory`, and beyond them.
+#: The poses between those of a `Trajectory`, and beyond them.
 Interpolation = Literal["linear", "spline", "se3"]
 Extrapolation = Literal["refuse", "hold"]
 #: Texts that trajectories are read from.

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-#: What others call depth is one of two lengths.
+#: Depth, as others call it, is one of two lengths.
 _DEPTHS = {
     "z": "z, the distance along the camera's aim",
     "range": "range, the distance from the sensor",

@@ -31,7 +31,7 @@ workers, threads and machines.
 Exit codes: 0 all parts are there, 1 some are missing, 2 wrong usage, 3 a folder
 that is that of no job, 70 a bug in firsthit, 130 interrupted."""
 
-#: What the kinds of jobs are of.
+#: The results of each kind of job.
 _KINDS = {
     "render": "pictures of cameras",
     "shoot": "first hits of rays",

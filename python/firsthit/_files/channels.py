@@ -1,4 +1,4 @@
-"""Which channels go into which file, and how files hold numbers."""
+"""The channels that go into each file, and how files hold numbers."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ _EACH = "{channel}"
 
 _Name = TypeVar("_Name", bound=str)
 
-#: What the name of an attribute's channel begins with.
+#: The beginning of the name of an attribute's channel.
 ATTRIBUTE = "attribute:"
 
 

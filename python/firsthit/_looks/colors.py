@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
     from firsthit.typing import ColorMapName, Vector
 
-#: What gives numbers beside attributes; names of colour maps.
+#: Sources of numbers beside attributes; names of colour maps.
 WORDS, MAPS = _firsthit.color_names()
 
 _ATTRIBUTE = "attribute:"

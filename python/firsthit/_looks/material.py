@@ -409,7 +409,7 @@ _SETTINGS: dict[str, Callable[[str, Any], Any]] = {
     for each in fields(Material)
     if each.type in ("float | None", "bool | None", "Vector | None")
 }
-#: What need not be shown.
+#: Values that need not be shown.
 _PLAIN = {each.name: each.default for each in signature(Material).parameters.values()}
 _PLAIN |= {"color": None, "kind": "matte"}
 _values = attrgetter(*(each.name for each in fields(Material)))

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from .foreign import Part
     from .shapes import Shape
 
-#: What is left of an object that was removed.
+#: The shape of an object that was removed.
 NOTHING = Mesh(np.empty((0, 3)), np.empty((0, 3), np.uint32))
 #: The last row of every transform.
 _LAST_ROW = np.array([0.0, 0.0, 0.0, 1.0])
@@ -62,7 +62,7 @@ class Object:
         self._shape, self._name, self._transform = shape, name, transform
         self._materials, self._mask, self._is_hidden = materials, mask, is_hidden
         self._is_removed = is_removed
-        #: What node and what mesh of a file it comes from.
+        #: The node and the mesh of a file that it comes from.
         self._labels = labels
         #: By which it is known wherever it moves.
         self._mark = mark or object()

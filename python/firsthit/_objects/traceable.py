@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
     from .object import Object
 
-#: What is around a scene, which way is up, and whether that is guessed.
+#: The environment of a scene, which way is up, and whether that is guessed.
 Surroundings: TypeAlias = "tuple[Environment | None, Vector, bool]"
 #: A mask, the objects that are there, and the alpha below which what is translucent is cut out.
 SeenKey: TypeAlias = "tuple[int, tuple[int, ...] | None, float | None]"
@@ -54,7 +54,7 @@ class Built:
     ) -> None:
         """Build it, unless ``native`` is that already; ``previous`` lends what did not change."""
         self.objects, self.lights, self.around = objects, lights, around
-        #: What rays of one mask, or of some objects, were last shot at.
+        #: The scenes that rays of one mask, or of some objects, were last shot at.
         self._seen: _Seen | None = None
         #: The environment that it was last lit by, which way is up there, and what that is.
         self._lit: tuple[Environment, Vector, _firsthit.Scene] | None = None

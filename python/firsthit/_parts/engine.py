@@ -25,7 +25,7 @@ from firsthit._base.errors import FirsthitWarning, warn
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-#: What does the work: nothing for this process, an executor, or what makes one.
+#: The executor of the work, or what makes one; nothing for this process.
 On = Executor | Callable[[], Executor] | None
 
 #: How often a task is tried whose worker was lost.
@@ -81,7 +81,7 @@ class _Outcome(NamedTuple):
     warnings: tuple[str, ...] = ()
 
 
-#: What this process was warned of since its last task, if its driver is to tell it.
+#: Warnings in this process since its last task, if its driver is to tell them.
 _heard: list[str] | None = None
 
 

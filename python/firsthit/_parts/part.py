@@ -26,7 +26,8 @@ from .records import open_inside, read, size_of
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-#: What killed runs leave behind, and when it is removed: somebody else may still be at it before.
+#: Names that killed runs leave behind, and the age at which these are removed: somebody else may
+#: still be at younger ones.
 _LEFT = re.compile(r"\..*\.[0-9a-f]{32}")
 _OLD_SECONDS = 24 * 3600
 

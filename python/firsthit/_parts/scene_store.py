@@ -53,7 +53,7 @@ _KEPT = 2
 _opened: dict[tuple[str, str, Mark], Scene] = {}
 _lock = threading.Lock()
 
-#: What a built scene's name ends with.
+#: The end of a built scene's name.
 BUILT = ".fhs"
 
 

@@ -42,7 +42,7 @@ if TYPE_CHECKING:
 #: The samples of a pixel at most, where a noise ends them and nothing else says how many.
 _SAMPLES_WITH_NOISE = 256
 
-#: What of `render`'s arguments is about the library's shaders alone.
+#: The arguments of `render` that are about the library's shaders alone.
 _OF_SHADERS = ("background", "environment", "light", "ground", "ambient", "shadows")
 _OF_COLORS = ("color_by", "color_map", "color_range")
 
@@ -51,7 +51,7 @@ class Picture(NamedTuple):
     """A picture that can be made."""
 
     built: Built
-    #: What is built, in the light of the picture's own environment if it has one.
+    #: The native scene, in the light of the picture's own environment if it has one.
     native: _firsthit.Scene
     camera: Sensor
     part: Region
@@ -248,11 +248,11 @@ class Picture(NamedTuple):
 class _Steps(NamedTuple):
     """The steps of a picture: channels by how they are made, and the samples of each step."""
 
-    #: Those whose samples are added to those before.
+    #: Channels whose samples are added to those before.
     accumulated: list[str]
-    #: Those that are made anew of all samples.
+    #: Channels that are made anew of all samples.
     whole: list[str]
-    #: Those of the pixels' centres.
+    #: Channels of the pixels' centres.
     centred: list[str]
     samples: list[int]
     has_own_colors: bool

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from firsthit._files.frame import Frame
     from firsthit._scene.scene import Scene
 
-    #: What a rig carries.
+    #: A sensor that a rig carries.
     Carried = Camera | Lidar | RaySensor
 
 

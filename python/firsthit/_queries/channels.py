@@ -41,7 +41,7 @@ _COMPONENTS = {"barycentric": 3, "position": 3, "normal": 3, "uv": 2, "base_colo
 #: Channels that only pictures have.
 _OF_PICTURES = ("color", "valid", "edge", "alpha", "ao", "samples")
 
-#: What can be asked about a camera's hits, and about those of other rays.
+#: Channels of a camera's hits, and of those of other rays.
 _OF_A_CAMERA: tuple[ChannelName, ...] = tuple(
     name for name in get_args(ChannelName) if name not in (*_OF_PICTURES, *get_args(MatteName))
 )
@@ -54,7 +54,7 @@ class Channels:
     #: The scene as it was shot.
     _built: Built
     _arrays: _firsthit._Hits
-    #: That of a channel with one number for each hit.
+    #: The shape of a channel with one number for each hit.
     _shape: tuple[int, ...]
     #: As many as the rays were shot with.
     _threads: int

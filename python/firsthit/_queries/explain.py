@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from firsthit.typing import Selection
 
 
-#: What of a hit are vectors, (2,) or (3,) float64.
+#: The vectors of a hit, (2,) or (3,) float64.
 _VECTORS = ("position", "normal", "shading_normal", "barycentric", "uv", "base_color")
 
 

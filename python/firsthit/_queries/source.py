@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from firsthit._objects.traceable import Built
     from firsthit._sensors.sensor import Sensor
 
-#: What is neither float64 nor one of the arrays.
+#: Channels that are neither float64 nor one of the arrays.
 _DTYPES: dict[str, type[np.generic]] = {
     "front": np.bool_,
     "valid": np.bool_,

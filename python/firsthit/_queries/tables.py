@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
     from firsthit.typing import Asked
 
-#: What the columns of a table end in, where that is not x, y, z.
+#: The ends of columns' names in a table, where they are not x, y, z.
 _LETTERS = {"barycentric": "012", "uv": "uv", "base_color": "rgb"}
 
 

@@ -55,7 +55,7 @@ class Last(NamedTuple):
     """The scene that was built last."""
 
     built: Built
-    #: What changed since something was built from all objects, by identifiers; more may come.
+    #: Changes since something was built from all objects, by identifiers; more may come.
     moves: list[int]
     #: How many of them are in ``built``.
     known: int
@@ -67,7 +67,7 @@ class Changes(Traceable):
     def __init__(self, build: Build) -> None:
         self._build_as = one_of("build", build, get_args(Build))
         self._objects: list[Object] = []
-        #: Those that changed, by identifiers. A change replaces the object, then adds it here.
+        #: The identifiers of changed objects. A change replaces the object, then adds it here.
         self._moves: list[int] = []
         #: The objects as they were last asked for, with the changes that there were before.
         self._listed: tuple[list[int], int, Objects] | None = None

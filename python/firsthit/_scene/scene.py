@@ -477,7 +477,7 @@ class Scene(Changes, RayQueries, PointQueries, Inspections):
         return other
 
 
-#: What a scene is, beside what is built from it.
+#: The parts of a scene, without what is built from them.
 _KEPT = (
     "_build_as",
     "_objects",

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 OPENCV = ("k1", "k2", "p1", "p2", "k3", "k4", "k5", "k6", "s1", "s2", "s3", "s4", "tau_x", "tau_y")
 #: How many of them its functions take.
 _COUNTS = (0, 4, 5, 8, 12, 14)
-#: Those of ``cv2.fisheye`` and ``cv2.omnidir``.
+#: The coefficients of ``cv2.fisheye`` and ``cv2.omnidir``.
 FISHEYE = ("k1", "k2", "k3", "k4")
 OMNIDIR = ("k1", "k2", "p1", "p2")
 

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from firsthit.typing import LightName, Selection, ShaderName
 
 
-#: What of `render`'s arguments a page does not take: it asks for pictures itself.
+#: The arguments of `render` that a page does not take: it asks for pictures itself.
 _NOT_GIVEN = dict.fromkeys(
     (
         "ambient", "blend_below", "color_by", "color_map", "color_range", "cull",

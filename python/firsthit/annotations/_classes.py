@@ -18,11 +18,11 @@ if TYPE_CHECKING:
 
 #: A table of names or patterns to classes, or a function of an object; ``None`` for no class.
 Classes = Mapping[str, str | None] | Callable[["Object"], str | None]
-#: What the objects of one instance have in common.
+#: The thing that the objects of one instance have in common.
 By = Literal["object", "node"] | Callable[["Object"], Hashable]
 
 
-#: What stands before a warning of keys without an object, such as the scene of a data set; ``None``
+#: The beginning of a warning of keys without an object, such as the scene of a data set; ``None``
 #: for no warning: a data set tells of a scene once, not for each frame.
 TOLD_OF: ContextVar[str | None] = ContextVar("TOLD_OF", default="")
 

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from ._files import Pictures
     from ._mask import Mask
 
-#: What is learned: boxes, or outlines.
+#: The thing to learn: boxes, or outlines.
 Task = Literal["detect", "segment"]
 
 

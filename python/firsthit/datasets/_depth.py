@@ -1,4 +1,4 @@
-"""Whether distances fit into PNGs, as far as bounds tell before anything is rendered."""
+"""A check whether distances fit into PNGs, as far as bounds tell before anything is rendered."""
 
 from __future__ import annotations
 

@@ -82,7 +82,7 @@ LOOK = (
 class Look(NamedTuple):
     """The shading and the display of colours."""
 
-    #: What `render` is told, whatever the scene.
+    #: The arguments of `render`, whatever the scene.
     said: dict[str, Any]
     #: How PNGs show colours, as `Frame.save` is told.
     display: dict[str, Any]

@@ -118,7 +118,7 @@ class Output(NamedTuple):
     pictures: tuple[str, ...]
     #: The step of the numbers in PNGs of distances, in scene units.
     png_scale: float | None
-    #: What those have in place of distances beyond the last step.
+    #: The numbers of PNGs in place of distances beyond the last step.
     far: Far | None
     #: Whether PNGs of identifiers hold their numbers, plus one.
     png_labels: bool
@@ -134,7 +134,7 @@ class Output(NamedTuple):
     masks: tuple[str, ...]
     #: The formats of annotations that are put together at the end.
     merged: Merged
-    #: What is written of how pixels move.
+    #: The files of how pixels move.
     motion: Motion
 
     @property

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from firsthit._queries.hits import Hits
     from firsthit.typing import Asked
 
-#: What an array may be called.
+#: The names that an array may have.
 _NAME = re.compile(r"[A-Za-z0-9_]{1,100}")
 
 Arrays = dict[str, "npt.NDArray[Any]"]

@@ -142,7 +142,7 @@ class Job:
         self.digest = of_json(about)
         self._said = {**about, "job": self.digest, "parts": count}
         self.parts = Parts(self.out, PARTS, self.digest, count)
-        #: What the file of the job says, once the folder is claimed.
+        #: The content of the job's file, once the folder is claimed.
         self._known: dict[str, Any] = {}
 
     def claim(self) -> None:

@@ -30,13 +30,13 @@ if TYPE_CHECKING:
 
     from ._parts_of import Found
 
-#: What says, in the folder of shards, of which job they are and what is in them.
+#: The file beside shards that says of which job they are and what is in them.
 INDEX = "pack.json"
 
 #: Counts up when the same job is packed to other bytes.
 _ANSWER = 1
 
-#: What may be in the folder: shards, the index, and what a killed run left of one of these.
+#: The names that may be in the folder: shards, the index, and what a killed run left of these.
 _SHARD = re.compile(r"shard-[0-9]{6,}\.tar")
 _LEFT = re.compile(r"\.(shard-[0-9]{6,}\.tar|pack\.json)\.[0-9a-f]+(\.tmp)?")
 

@@ -86,7 +86,7 @@ def parts(folder: str | os.PathLike[str], *, verify: bool = False) -> JobState:
 class Found(NamedTuple):
     """The parts of a folder."""
 
-    #: What is there.
+    #: The parts that are there.
     state: JobState
     #: Where.
     parts: Parts

@@ -56,7 +56,7 @@ if TYPE_CHECKING:
 #: The files of pictures.
 EXTENSIONS = (".npz", ".exr", ".png", ".npy", ".ply", ".pcd")
 
-#: What of the arguments is the look of pictures, and what a job names where it is given alone.
+#: The arguments of the look of pictures, and those that a job names only where they are given.
 _LOOK = ("background", "samples", "cull", "objects", "shade", "ambient", "shadows")
 _MORE = (
     *("edges", "light", "ground", "color_by", "blend_below", "dtype", "color_map", "color_range"),
@@ -249,7 +249,7 @@ class _Pictures(NamedTuple):
     job: str
     channels: list[Any]
     extensions: list[str]
-    #: What PNGs of distances hold: the length of a step, and what is farther.
+    #: The length of a step in PNGs of distances, and their numbers for what is farther.
     steps: tuple[float | None, Far | None]
     look: dict[str, Any]
     shown: dict[str, Any]
