@@ -52,7 +52,6 @@ class Object:
         name: str,
         transform: npt.NDArray[np.float64] | None,
         materials: tuple[Material, ...],
-        mark: object | None = None,
         mask: int = ALL,
         *,
         is_hidden: bool = False,
@@ -65,7 +64,7 @@ class Object:
         #: The node and the mesh of a file that it comes from.
         self._labels = labels
         #: By which it is known wherever it moves.
-        self._mark = mark or object()
+        self._mark = object()
 
     @property
     def shape(self) -> Shape:

@@ -14,7 +14,7 @@ from firsthit._files.channels import stored
 
 from .hits import Hits
 from .rays import NO_MAXIMUM, NO_MINIMUM, Rays
-from .source import Source
+from .source import Source, some_of
 from .tables import Tables
 
 if TYPE_CHECKING:
@@ -203,15 +203,13 @@ class AllHits(Tables):
             return self._hits_of(row, slice(int(starts[0]), int(starts[0] + counts[0])))
         offsets = _offsets(counts)
         places = np.arange(offsets[-1]) + np.repeat(starts - offsets[:-1], counts)
-        t, identifiers, primitive, weights = self._arrays
-        arrays = t[places], identifiers[places], primitive[places], weights[places]
+        arrays = some_of(self._arrays, places)
         rays = self._rays.take(row, numbers.shape)
         return AllHits._of(self._built, arrays, rays, offsets, self._threads)
 
     def _hits_of(self, ray: npt.NDArray[np.int64], part: slice) -> Hits:
         """Return the hits of a single ray."""
-        t, identifiers, primitive, weights = self._arrays
-        arrays = t[part], identifiers[part], primitive[part], weights[part]
+        arrays = some_of(self._arrays, part)
         shape = (len(arrays[0]),)
         source = Source(None, None, Rays(self._rays.take(ray, ()).arrays, shape))
         return Hits._of(self._built, arrays, source, shape, self._threads)

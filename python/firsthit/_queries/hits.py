@@ -13,6 +13,7 @@ from firsthit._files.channels import stored
 from firsthit._files.plot import Plottable
 
 from .leaving import leaving
+from .source import some_of
 from .tables import Tables
 
 if TYPE_CHECKING:
@@ -245,8 +246,7 @@ class Hits(Tables, Plottable):
         row = np.ascontiguousarray(numbers.reshape(-1))
         some = Hits.__new__(Hits)
         some.__dict__.update(self.__dict__)
-        t, identifiers, primitive, barycentric = self._arrays
-        some._arrays = t[row], identifiers[row], primitive[row], barycentric[row]
+        some._arrays = some_of(self._arrays, row)
         some._shape, some._made = numbers.shape, {}
         some._single = None if self._single is None else self._single[row]
         some._source = self._source.take(row, some._shape)

@@ -17,7 +17,7 @@ from firsthit._sensors.sensor import Sensor
 
 from .hits import Hits
 from .leaving import rays_of
-from .source import Source, hits_arrays
+from .source import Source, hits_arrays, some_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -115,9 +115,7 @@ def shoot_rays(
         _firsthit.shoot(native, rays.part(parts[0]), copies, threads, out, report)
     else:
         for part in parts:
-            t, identifiers, primitive, barycentric = out
-            pieces = t[part], identifiers[part], primitive[part], barycentric[part]
-            told = later(report, part.start)
+            told, pieces = later(report, part.start), some_of(out, part)
             _firsthit.shoot(native, rays.part(part), copies, threads, pieces, told)
     kept = rays.keep(copies)
     return Hits._of(built, out, source or Source(None, None, kept), rays.shape, threads)

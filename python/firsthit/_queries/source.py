@@ -46,6 +46,12 @@ def hits_arrays(length: int) -> _firsthit._Hits:
     )
 
 
+def some_of(arrays: _firsthit._Hits, rows: slice | npt.NDArray[np.int64]) -> _firsthit._Hits:
+    """Return some of the hits."""
+    t, identifiers, primitive, barycentric = arrays
+    return t[rows], identifiers[rows], primitive[rows], barycentric[rows]
+
+
 class Source:
     """The rays of some hits: the centres of all or some pixels of a camera, or rays in arrays.
 
