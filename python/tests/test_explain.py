@@ -8,7 +8,7 @@ import sys
 import firsthit as fh
 import numpy as np
 import pytest
-from support import bumpy_sphere
+from support import ball, bumpy_sphere
 
 
 def everything(seed):
@@ -111,8 +111,7 @@ def test_the_text_is_that_of_the_program(tmp_path):
 
 
 def test_a_story_can_be_pickled_and_is_not_changed_from_outside():
-    scene = fh.Scene()
-    scene.add(fh.Sphere((0, 0, 0), 1))
+    scene = ball()
     story = scene.explain((0, 0, 5), (0, 0, -1))
     assert repr(story) == "Explanation(t=4.0, object=0, 1 objects)"
     story.hit["t"] = 0
@@ -125,8 +124,7 @@ def test_a_story_can_be_pickled_and_is_not_changed_from_outside():
 
 
 def test_what_makes_no_sense_is_refused():
-    scene = fh.Scene()
-    scene.add(fh.Sphere((0, 0, 0), 1))
+    scene = ball()
     camera = fh.Camera.look_at((0, -9, 3), (0, 0, 0), (0, 0, 1), 40, 5, 7)
     up = (0, 0, 1)
     with pytest.raises(ValueError, match="5 rows and 7 columns, from 0,0 to 4,6"):

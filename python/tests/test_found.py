@@ -120,8 +120,7 @@ def test_threads_do_not_lose_each_others_changes() -> None:
 
 
 def test_hits_are_no_points() -> None:
-    scene = fh.Scene()
-    scene.add(fh.Sphere((0, 0, 0), 1))
+    scene = ball()
     hits = scene.shoot([[0.3, 0.4, 5], [3, 0, 5], [9, 9, 9]], [0, 0, -1])
     for ask in (scene.inside, scene.closest_point, scene.signed_distance):
         with pytest.raises(ValueError, match=r"hits\.position"):
@@ -145,8 +144,7 @@ def test_a_disc_keeps_its_bits_when_it_is_built_again() -> None:
 
 
 def test_limits_of_a_camera_have_its_shape() -> None:
-    scene = fh.Scene()
-    scene.add(fh.Sphere((0, 0, 0), 1))
+    scene = ball()
     camera = fh.Camera((0, 0, 5), (0, 0, -1), (0, 1, 0), 2, 1.8, 1.4, 7, 9)
     for shape in ((3, 3), (5,), (0,), (2, 7, 9)):
         for fill in (np.zeros, np.ones):

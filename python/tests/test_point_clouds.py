@@ -5,6 +5,7 @@ import json
 import firsthit as fh
 import numpy as np
 import pytest
+from support import ball
 
 trimesh = pytest.importorskip("trimesh")
 
@@ -13,8 +14,7 @@ TYPES = {"double": "<f8", "float": "<f4", "int": "<i4", "uchar": "u1"}
 
 @pytest.fixture
 def scene():
-    scene = fh.Scene()
-    scene.add(fh.Sphere((0, 0, 0), 1))
+    scene = ball()
     scene.add(fh.Box((2, -1, -1), (4, 1, 1)), color=(0.2, 0.5, 0.8))
     return scene
 

@@ -5,6 +5,7 @@ import laspy
 import numpy as np
 import pytest
 import trimesh
+from support import ball
 
 CORNERS = np.array([[0.5, 0.25, 2.0], [4.0, -1.5, 0.0], [-7.0, 8.0, 1.25]])
 
@@ -78,8 +79,7 @@ def test_text_of_numpy_and_of_others_is_read(tmp_path):
 
 
 def test_pictures_give_the_points_of_their_pixels(tmp_path):
-    scene = fh.Scene()
-    scene.add(fh.Sphere((0, 0, 0), 1))
+    scene = ball()
     frame = fh.render(scene, channels=["position", "normal", "object"])
     for extension in ("npz", "exr"):
         frame.save(tmp_path / f"a.{extension}")

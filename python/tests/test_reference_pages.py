@@ -16,6 +16,7 @@ import numpy as np
 import pages
 import pytest
 from pages import DOCS, ROOT
+from support import ball
 
 unix = pytest.mark.skipif(sys.platform == "win32", reason="the lines are for a Unix shell")
 
@@ -57,8 +58,7 @@ def copies(folder, **files):
 
 @unix
 def test_measuring_and_nearest_points(page, tmp_path):
-    scene = fh.Scene()
-    scene.add(fh.Sphere((0, 0, 0), 1))
+    scene = ball()
     told = {"fh": fh, "np": np, "scene": scene}
     rays = {"origins": np.tile((0, 0, 9.0), (5, 1)), "directions": np.array((0, 0, -1.0))}
     camera = fh.Camera.look_at((0, -5, 1), (0, 0, 0), (0, 0, 1), 40, rows=6, columns=8)

@@ -12,11 +12,11 @@ import numpy as np
 import pytest
 from firsthit._view import view as viewing
 from page_support import ask
+from support import ball
 
 
 def scene():
-    scene = fh.Scene()
-    scene.add(fh.Sphere((0, 0, 0), 1))
+    scene = ball()
     scene.add(fh.Box((1.5, -1, -1), (2.5, 1, 1)), name="box")
     return scene
 

@@ -240,7 +240,7 @@ def disparity(
     """
     _check((scene,), (left, right))
     if isinstance(left, Camera) and isinstance(right, Camera):
-        _check_pair(left, right)
+        check_pair(left, right)
     else:
         _check_moving_pair(left, right)
     hits = scene.shoot(left, threads=threads)
@@ -265,7 +265,7 @@ def _check(scenes: Sequence[Scene], cameras: Sequence[PictureSensor]) -> None:
             )
 
 
-def _check_pair(left: Camera, right: Camera) -> None:
+def check_pair(left: Camera, right: Camera) -> None:
     """Refuse cameras whose rows do not show the same points."""
     for name in ("projection", "rows", "columns", "parameters", "ray_start"):
         a, b = getattr(left, name), getattr(right, name)
@@ -303,7 +303,7 @@ def _check_moving_pair(left: PictureSensor, right: PictureSensor) -> None:
     ways = [each.trajectory._native.parts() for each in (left, right)]
     if not all(map(np.array_equal, *ways)):
         raise ValueError("left and right must have the same trajectory")
-    _check_pair(left.camera, right.camera)
+    check_pair(left.camera, right.camera)
 
 
 def _centres(camera: PictureSensor) -> Floats:

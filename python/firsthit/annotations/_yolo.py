@@ -82,16 +82,18 @@ def save_yolo(
     contents = []
     for part, held in parts.items():
         for (stem, picture), name in zip(stems(held).items(), held, strict=True):
-            text = _labels(name, picture, numbers, task, masks)
+            text = label_lines(name, picture, numbers, task, masks)
             contents.append((Path(folder, "labels", part, f"{stem}.txt"), text))
-    contents.append((Path(folder, "data.yaml"), _yaml([*numbers], has_validation="val" in parts)))
+    content = data_yaml([*numbers], has_validation="val" in parts)
+    contents.append((Path(folder, "data.yaml"), content))
     for path, text in contents:
         write(path, text.encode())
 
 
-def _labels(
+def label_lines(
     name: str, picture: Annotations, numbers: Mapping[str, int], task: Task, masks: MaskKind
 ) -> str:
+    """Return the labels of a picture, a line for each instance."""
     lines = []
     for instance in picture.instances:
         mask, box = shown_mask(name, instance, masks)
@@ -114,7 +116,8 @@ def _outline(mask: Mask) -> list[float]:
     return shares
 
 
-def _yaml(classes: list[str], *, has_validation: bool) -> str:
+def data_yaml(classes: list[str], *, has_validation: bool) -> str:
+    """Return the file that says where the pictures are, and which classes there are."""
     lines = ["train: images/train"]
     if has_validation:
         lines.append("val: images/val")

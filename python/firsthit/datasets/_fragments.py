@@ -13,7 +13,7 @@ from firsthit.annotations import to_coco
 from firsthit.annotations._bop import entries
 from firsthit.annotations._files import as_png, class_numbers, meters
 from firsthit.annotations._kitti import labels
-from firsthit.annotations._yolo import _labels
+from firsthit.annotations._yolo import label_lines
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -43,7 +43,7 @@ def fragments(
         made["kitti"] = labels({name: picture}, **kinds.kitti)[name]
     if kinds.yolo is not None:
         task, masks = kinds.yolo["task"], kinds.yolo["masks"]
-        made["yolo"] = _labels(name, picture, numbers, task, masks)
+        made["yolo"] = label_lines(name, picture, numbers, task, masks)
     return made
 
 

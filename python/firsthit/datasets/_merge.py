@@ -22,7 +22,7 @@ from firsthit.annotations._bop import refuse_sizes
 from firsthit.annotations._bop_models import camera_record, models, write_models
 from firsthit.annotations._classes import TOLD_OF
 from firsthit.annotations._files import as_json, meters
-from firsthit.annotations._yolo import _yaml
+from firsthit.annotations._yolo import data_yaml
 
 from ._frame import depth_scale, picture_name
 from ._job import merged_names
@@ -251,7 +251,7 @@ class _Joined:
                     text += f"{numbers[picture['classes'][int(number)]]} {rest}\n"
                 write(into / "labels" / part / f"{name}.txt", text.encode())
                 self._link_colors(record, sensor, into / "images" / part / f"{name}.png")
-        content = _yaml(self.classes, has_validation=validation > 0.0)
+        content = data_yaml(self.classes, has_validation=validation > 0.0)
         write(into / "data.yaml", content.encode())
 
     def save_lines(self) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, NamedTuple
 
-from firsthit._pictures.flow import _check_pair, disparity, optical_flow
+from firsthit._pictures.flow import check_pair, disparity, optical_flow
 
 from ._sensors import CameraSensor
 
@@ -74,5 +74,5 @@ def motion(table: Table, sensors: tuple[PlannedSensor, ...]) -> Motion:
     if not formats:
         raise given.refused("formats", "`formats` must be one format or several, got none")
     with given.blaming():
-        _check_pair(left.camera, right.camera)
+        check_pair(left.camera, right.camera)
     return Motion(flows, (left, right), tuple(formats))
