@@ -1,8 +1,8 @@
 //! The rays of sensors, cameras among them, as arrays.
 
+use firsthit::Ray;
 use firsthit::render::Sample;
 use firsthit::watch::Watch as _;
-use firsthit::Ray;
 use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1};
 use pyo3::prelude::*;
 use rayon::prelude::*;

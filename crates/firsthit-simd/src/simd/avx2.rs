@@ -284,9 +284,10 @@ impl Lanes for Avx2 {
     }
     #[inline(always)]
     fn store_narrowed(self, x: D, to: &mut [f32; WIDE]) {
+        // One store: a load of all eight would wait until two are in the cache.
         x86!({
-            _mm_storeu_ps(to.as_mut_ptr(), _mm256_cvtpd_ps(x[0]));
-            _mm_storeu_ps(to.as_mut_ptr().wrapping_add(4), _mm256_cvtpd_ps(x[1]));
+            let both = _mm256_set_m128(_mm256_cvtpd_ps(x[1]), _mm256_cvtpd_ps(x[0]));
+            _mm256_storeu_ps(to.as_mut_ptr(), both);
         });
     }
     #[inline(always)]
