@@ -9,9 +9,10 @@ use std::time::Duration;
 
 use firsthit::watch::Watch;
 use firsthit::{Error, Result};
+use firsthit_cli::threads;
 use pyo3::exceptions::{PyMemoryError, PyRuntimeError};
 use pyo3::prelude::*;
-use rayon::{ThreadPool, ThreadPoolBuilder};
+use rayon::ThreadPool;
 
 use crate::errors::{Outcome, raise};
 
@@ -80,58 +81,18 @@ pub(crate) fn report_done(report: Report<'_, '_>, done: usize) -> Outcome<()> {
     Ok(())
 }
 
-/// The stack of a thread, rayon's own default.
-const STACK_BYTES: usize = 2 << 20;
-
-/// The bytes that a thread maps beside its stack: guard pages, and a stack for signal handlers.
-/// Where the system refuses that one, the standard library ends the process.
-const BESIDE_STACK_BYTES: usize = 1 << 17;
-
-/// The address space that glibc's allocator reserves for a thread, if there is as much.
-const ARENA_BYTES: usize = 64 << 20;
-
-/// The bytes that must be left for the work. A small allocation that fails ends the process.
-const SPARE_BYTES: usize = 32 << 20;
-
-/// The default number of threads: as many as this process has processors, also by the limits of a
-/// control group.
+/// The default number of threads.
 #[pyfunction]
 pub(crate) fn all_threads() -> usize {
-    std::thread::available_parallelism().map_or(1, usize::from)
+    threads::cores()
 }
 
 /// A pool of `threads` threads (0: all cores), or of as many as the system grants: the result is
 /// the same.
 fn pool(threads: usize) -> Outcome<ThreadPool> {
-    let mut threads = if threads == 0 { all_threads() } else { threads };
-    loop {
-        let builder = ThreadPoolBuilder::new().num_threads(threads);
-        let why = match check_room(threads) {
-            Ok(()) => match builder.stack_size(STACK_BYTES).build() {
-                Ok(pool) => return Ok(pool),
-                Err(error) => error.to_string(),
-            },
-            Err(error) => error,
-        };
-        if threads <= 1 {
-            let text = format!("the system grants no thread to work in: {why}");
-            return Err(PyMemoryError::new_err(text).into());
-        }
-        threads /= 2;
-    }
-}
-
-/// Checks that there is address space for `threads` threads, which a limit such as `ulimit -v` may
-/// deny. A thread alone does without an arena of its own.
-fn check_room(threads: usize) -> std::result::Result<(), String> {
-    let stacks = threads.saturating_mul(STACK_BYTES + BESIDE_STACK_BYTES);
-    let arenas = (threads - 1).saturating_mul(ARENA_BYTES);
-    let bytes = stacks.saturating_add(arenas).saturating_add(SPARE_BYTES);
-    let mut probe = Vec::<u8>::new();
-    let refused = probe.try_reserve_exact(bytes);
-    // Without this the compiler may see that the room is not used, and not ask for it.
-    std::hint::black_box(&mut probe);
-    refused.map_err(|error| error.to_string())
+    let pool = threads::pool(if threads == 0 { threads::cores() } else { threads });
+    let refused = |why| format!("the system grants no thread to work in: {why}");
+    Ok(pool.map_err(|why| PyMemoryError::new_err(refused(why)))?)
 }
 
 /// The place of the last panic.

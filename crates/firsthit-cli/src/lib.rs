@@ -17,6 +17,8 @@ mod loading;
 mod output;
 mod progress;
 mod rays;
+#[doc(hidden)]
+pub mod threads;
 mod usage;
 mod values;
 

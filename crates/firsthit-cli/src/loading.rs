@@ -7,7 +7,6 @@ use firsthit::load::{self, LoadSettings, load_watched};
 use firsthit::scene::{Build, BuildSettings};
 use firsthit::world::World;
 use firsthit::{Color, Object, Scene};
-use rayon::{ThreadPool, ThreadPoolBuilder};
 
 use crate::args::{LoadArgs, PickArgs, SceneArgs};
 use crate::failure::Failure;
@@ -169,58 +168,6 @@ pub(crate) fn called(objects: &[Object], name: &str) -> Result<Vec<usize>, Failu
             objects.len()
         ))),
     }
-}
-
-/// Runs `work` with that many threads, or with all cores.
-pub(crate) fn with_threads<T: Send>(
-    threads: Option<u16>,
-    work: impl FnOnce() -> Result<T, Failure> + Send,
-) -> Result<T, Failure> {
-    pool(threads.map(usize::from))?.install(work)
-}
-
-/// Has all threads of the program share that many, or all cores.
-pub(crate) fn share_threads(threads: Option<u16>) -> Result<(), Failure> {
-    let cores = || std::thread::available_parallelism().map_or(1, usize::from);
-    let threads = threads.map_or_else(cores, usize::from);
-    let built = ThreadPoolBuilder::new().num_threads(threads).build_global();
-    built.map_err(|error| Failure::limit(format!("{threads} threads: {error}")))
-}
-
-/// A pool of `threads` threads, or as many as the system grants: the result is the same. The last
-/// resort is the thread that runs already.
-fn pool(threads: Option<usize>) -> Result<ThreadPool, Failure> {
-    let cores = || std::thread::available_parallelism().map_or(1, usize::from);
-    let mut threads = threads.unwrap_or_else(cores);
-    let builder = ThreadPoolBuilder::new;
-    while threads > 0 {
-        if !has_room(threads) {
-            threads /= 2;
-            continue;
-        }
-        if let Ok(pool) = builder().num_threads(threads).build() {
-            return Ok(pool);
-        }
-        threads /= 2;
-    }
-    let alone = builder().num_threads(1).use_current_thread().build();
-    alone.map_err(|error| Failure::limit(format!("threads: {error}")))
-}
-
-/// Whether there is address space for the stacks of `threads` threads, for what glibc's allocator
-/// reserves for each but the first, and for the work: a limit such as `ulimit -v` may deny it.
-/// Where a thread that has begun finds none for itself, the standard library ends the process.
-fn has_room(threads: usize) -> bool {
-    const STACK_BYTES: usize = (2 << 20) + (1 << 17);
-    const ARENA_BYTES: usize = 64 << 20;
-    const SPARE_BYTES: usize = 32 << 20;
-    let arenas = (threads - 1).saturating_mul(ARENA_BYTES);
-    let bytes = threads.saturating_mul(STACK_BYTES).saturating_add(arenas);
-    let mut probe = Vec::<u8>::new();
-    let refused = probe.try_reserve_exact(bytes.saturating_add(SPARE_BYTES));
-    // Without this the compiler may see that the room is not used, and not ask for it.
-    std::hint::black_box(&mut probe);
-    refused.is_ok()
 }
 
 /// Whether a file's name says that it is a 3D file; one that is packed is.

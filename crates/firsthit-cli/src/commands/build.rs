@@ -10,9 +10,10 @@ use serde_json::json;
 use crate::args::BuildArgs;
 use crate::console::{counted, end_report, is_quiet, say, warn};
 use crate::failure::Failure;
-use crate::loading::{self, with_threads};
+use crate::loading;
 use crate::output;
 use crate::progress::Progress;
+use crate::threads::with_threads;
 
 pub(crate) fn run(args: &BuildArgs, progress: &Progress) -> Result<(), Failure> {
     let started = Instant::now();

@@ -9,9 +9,9 @@ use crate::asked;
 use crate::camera::check_size;
 use crate::console::{is_quiet, warn};
 use crate::failure::Failure;
-use crate::loading::with_threads;
 use crate::output;
 use crate::progress::Progress;
+use crate::threads::with_threads;
 
 /// The embedded scene is small: it can be made well.
 const DEFAULT_SAMPLES: u32 = 16;

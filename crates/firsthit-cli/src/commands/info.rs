@@ -18,8 +18,9 @@ use crate::args::InfoArgs;
 use crate::console::{counted, json_text, print, warn};
 use crate::failure::Failure;
 use crate::hints::{number, span, triple};
-use crate::loading::{self, Loaded, NO_RAYS, has_model_extension, with_threads};
+use crate::loading::{self, Loaded, NO_RAYS, has_model_extension};
 use crate::progress::Progress;
+use crate::threads::with_threads;
 
 pub(crate) fn run(args: &InfoArgs, progress: &Progress) -> Result<(), Failure> {
     print(&text(args, progress)?)

@@ -10,9 +10,10 @@ use crate::args::LintArgs;
 use crate::console::{counted, end_report, print, say, warn};
 use crate::failure::{Failure, INTERRUPTED};
 use crate::hints::{self, extent};
-use crate::loading::{self, with_threads};
+use crate::loading;
 use crate::output;
 use crate::progress::Progress;
+use crate::threads::with_threads;
 
 /// The number of places of each kind in texts for people.
 const PLACES_IN_TEXT: usize = 3;

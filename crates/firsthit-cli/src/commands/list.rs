@@ -15,8 +15,9 @@ use crate::args::ListArgs;
 use crate::console::{counted, end_report, is_quiet, say, warn};
 use crate::failure::Failure;
 use crate::hints::far_off;
-use crate::loading::{self, Loaded, with_threads};
+use crate::loading::{self, Loaded};
 use crate::progress::Progress;
+use crate::threads::with_threads;
 
 /// The approximate number of rays for one answer.
 const RAYS: u64 = 2;

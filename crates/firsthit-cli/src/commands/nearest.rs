@@ -15,10 +15,11 @@ use super::sinks::{self, Sinks};
 use crate::args::NearestArgs;
 use crate::console::{counted, end_report, is_quiet, say, warn};
 use crate::failure::Failure;
-use crate::loading::{self, Loaded, with_threads};
+use crate::loading::{self, Loaded};
 use crate::output;
 use crate::progress::Progress;
 use crate::rays;
+use crate::threads::with_threads;
 
 /// The number of rays through a tree that take the time of a search for a nearest point.
 const RAYS: u64 = 10;

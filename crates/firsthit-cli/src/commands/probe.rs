@@ -8,8 +8,9 @@ use crate::camera::{camera, check, of_file};
 use crate::console::{end_report, print, warn};
 use crate::explanation;
 use crate::failure::Failure;
-use crate::loading::{self, Loaded, with_threads};
+use crate::loading::{self, Loaded};
 use crate::progress::Progress;
+use crate::threads::with_threads;
 
 /// An explanation shoots no more rays than this.
 const FEW: u64 = 100;

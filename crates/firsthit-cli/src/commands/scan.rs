@@ -14,9 +14,10 @@ use crate::camera::axis;
 use crate::console::{counted, end_report, is_quiet, say, warn};
 use crate::failure::Failure;
 use crate::hints::{extent, number, place, span};
-use crate::loading::{self, Loaded, called, with_threads};
+use crate::loading::{self, Loaded, called};
 use crate::output;
 use crate::progress::{Progress, RAYS};
+use crate::threads::with_threads;
 
 pub(crate) fn run(args: &ScanArgs, progress: &Progress) -> Result<(), Failure> {
     let outputs = outputs(args)?;

@@ -9,9 +9,10 @@ use crate::args::SectionArgs;
 use crate::console::{counted, end_report, is_quiet, print, say, warn};
 use crate::failure::Failure;
 use crate::hints::{extent, number, place, triple};
-use crate::loading::{self, Loaded, NO_RAYS, with_threads};
+use crate::loading::{self, Loaded, NO_RAYS};
 use crate::output;
 use crate::progress::Progress;
+use crate::threads::with_threads;
 
 pub(crate) fn run(args: &SectionArgs, progress: &Progress) -> Result<(), Failure> {
     for path in &args.output {

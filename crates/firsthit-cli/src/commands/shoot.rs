@@ -17,10 +17,11 @@ use crate::args::ShootArgs;
 use crate::asked;
 use crate::console::{counted, end_report, is_quiet, say, warn};
 use crate::failure::Failure;
-use crate::loading::{self, Loaded, with_threads};
+use crate::loading::{self, Loaded};
 use crate::output;
 use crate::progress::{Progress, RAYS};
 use crate::rays::{self, Feed, Limits, RayArrays, RayLines};
+use crate::threads::with_threads;
 
 const DEFAULT_CHANNELS: [&str; 3] = ["t", "object", "primitive"];
 

@@ -21,6 +21,7 @@ use crate::failure::Failure;
 use crate::loading::{self, Loaded};
 use crate::output;
 use crate::progress::Progress;
+use crate::threads;
 
 pub(crate) fn run(args: &ViewArgs, progress: &Progress) -> Result<(), Failure> {
     let asked = Asked {
@@ -34,7 +35,7 @@ pub(crate) fn run(args: &ViewArgs, progress: &Progress) -> Result<(), Failure> {
     let report = args.output.as_deref().map(|path| Report::new(path, args));
     let report = report.transpose()?;
     // Pictures are made in the threads of connections, which all share these.
-    loading::share_threads(args.threads)?;
+    threads::share_threads(args.threads)?;
     let SceneArgs { pick, trees, load } = &args.scene;
     let settings = loading::settings(&args.file, load);
     let build = |_: &World| trees.settings(None);

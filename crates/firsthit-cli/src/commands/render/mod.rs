@@ -25,9 +25,10 @@ use crate::console::{is_quiet, warn};
 use crate::environment;
 use crate::failure::Failure;
 use crate::legend;
-use crate::loading::{self, Loaded, with_threads};
+use crate::loading::{self, Loaded};
 use crate::output::{self, ChannelSource, Order};
 use crate::progress::Progress;
+use crate::threads::with_threads;
 use job::{needs_samples, needs_shade};
 
 pub(super) use idle::without_channels;
