@@ -39,43 +39,25 @@ impl Mesh {
         let triangles = triangles.as_slice()?;
         let corners = copied(triangles.as_chunks::<3>().0)?;
         let AttributesIn(normals, uvs, colors, alphas, second_uvs, tangents) = attributes;
-        let normals = normals.map(|array| attribute(&array)).transpose()?;
-        let uvs = uvs.map(|array| attribute(&array)).transpose()?;
-        let colors = colors.map(|array| attribute(&array)).transpose()?;
-        let alphas = alphas.map(|array| attribute(&array)).transpose()?;
-        let second_uvs = second_uvs.map(|array| attribute(&array)).transpose()?;
-        let tangents = tangents.map(|array| attribute(&array)).transpose()?;
+        let (normals, uvs, colors) = (attribute(normals)?, attribute(uvs)?, attribute(colors)?);
+        let (alphas, second_uvs) = (attribute(alphas)?, attribute(second_uvs)?);
+        let tangents = attribute(tangents)?;
         let label = |array: PyReadonlyArray1<'_, u32>| copied(array.as_slice()?);
         let [faces, slots] = labels.map(|array| array.map(label).transpose());
         let (faces, slots) = (faces?, slots?);
         let properties = properties.into_iter().map(PropertyIn::property);
         let properties = properties.collect::<Outcome<Vec<_>>>()?;
         py.detach(|| {
-            let mut mesh = firsthit::Mesh::new(Positions::compact(points), corners)?;
-            if let Some(normals) = normals {
-                mesh = mesh.with_normals(normals)?;
-            }
-            if let Some(uvs) = uvs {
-                mesh = mesh.with_uvs(uvs)?;
-            }
-            if let Some(colors) = colors {
-                mesh = mesh.with_colors(colors)?;
-            }
-            if let Some(alphas) = alphas {
-                mesh = mesh.with_alphas(alphas)?;
-            }
-            if let Some(uvs) = second_uvs {
-                mesh = mesh.with_second_uvs(uvs)?;
-            }
-            if let Some(tangents) = tangents {
-                mesh = mesh.with_tangents(tangents)?;
-            }
-            if let Some(faces) = faces {
-                mesh = mesh.with_faces(faces)?;
-            }
-            if let Some(slots) = slots {
-                mesh = mesh.with_slots(slots)?;
-            }
+            use firsthit::Mesh;
+            let mesh = Mesh::new(Positions::compact(points), corners)?;
+            let mesh = with(mesh, normals, Mesh::with_normals)?;
+            let mesh = with(mesh, uvs, Mesh::with_uvs)?;
+            let mesh = with(mesh, colors, Mesh::with_colors)?;
+            let mesh = with(mesh, alphas, Mesh::with_alphas)?;
+            let mesh = with(mesh, second_uvs, Mesh::with_second_uvs)?;
+            let mesh = with(mesh, tangents, Mesh::with_tangents)?;
+            let mesh = with(mesh, faces, Mesh::with_faces)?;
+            let mesh = with(mesh, slots, Mesh::with_slots)?;
             Ok(Self(Arc::new(mesh.with_properties(properties)?)))
         })
     }
@@ -193,8 +175,25 @@ struct AttributesIn<'py>(
 
 type ArrayOut<'py> = Bound<'py, PyArrayDyn<f32>>;
 
+/// The mesh with some of its parts, if there are any.
+fn with<T>(
+    mesh: firsthit::Mesh,
+    part: Option<T>,
+    set: impl FnOnce(firsthit::Mesh, T) -> firsthit::Result<firsthit::Mesh>,
+) -> firsthit::Result<firsthit::Mesh> {
+    match part {
+        Some(part) => set(mesh, part),
+        None => Ok(mesh),
+    }
+}
+
 /// An attribute from an array: (n, k) for each vertex, (m, 3, k) for each corner.
-fn attribute<const N: usize>(array: &PyReadonlyArrayDyn<'_, f32>) -> Outcome<Attribute<N>> {
+fn attribute<const N: usize>(
+    array: Option<PyReadonlyArrayDyn<'_, f32>>,
+) -> Outcome<Option<Attribute<N>>> {
+    let Some(array) = array else {
+        return Ok(None);
+    };
     let values = array.as_slice()?;
     let values = copied(values.as_chunks().0)?;
     let corners = if array.shape().len() == 3 {
@@ -205,7 +204,7 @@ fn attribute<const N: usize>(array: &PyReadonlyArrayDyn<'_, f32>) -> Outcome<Att
         None
     };
     let values = values.into();
-    Ok(Attribute { values, corners })
+    Ok(Some(Attribute { values, corners }))
 }
 
 fn array_of<'py, const N: usize>(
