@@ -17,35 +17,28 @@ pub struct FrameRequest {
     pub channel: String,
     /// The points of a pixel whose mean is its colour; by default as many as `firsthit render`
     /// takes.
-    #[serde(default)]
     pub samples: Option<u32>,
     /// Whether colours are those of `firsthit render`, with shadows; else they are lit from the
     /// camera, without.
     #[serde(default)]
     pub is_lit: bool,
     /// A set of lights by name, in place of the lights that the scene has.
-    #[serde(default)]
     pub light: Option<String>,
     /// The direction of a sun's light, in place of all other lights and of the environment; of any
     /// length but zero. With the environment `daylight` it is that sky's sun.
-    #[serde(default)]
     pub sun: Option<[f64; 3]>,
     /// Light from all around in place of what the scene has.
-    #[serde(default)]
     pub environment: Option<EnvironmentRequest>,
     /// Objects in colours of their own, by their identifiers; the colours are linear.
     #[serde(default)]
     pub colors: Vec<(usize, [f64; 3])>,
     /// Whether there is a ground; by default where `firsthit render` has one.
-    #[serde(default)]
     pub ground: Option<bool>,
     /// The width in pixels of lines along edges; 0 for none. By default those that `firsthit
     /// render` draws.
-    #[serde(default)]
     pub edges: Option<f64>,
     /// The colour of the faces that a plane cuts, which is linear; by default each has its
     /// object's.
-    #[serde(default)]
     pub cut_color: Option<[f64; 3]>,
     /// The part of the scene that is seen.
     #[serde(default)]
@@ -109,13 +102,10 @@ fn one() -> f64 {
 #[serde(deny_unknown_fields)]
 pub struct Visibility {
     /// The objects that are not there, by their identifiers; by default those that the scene hides.
-    #[serde(default)]
     pub hidden: Option<Vec<usize>>,
     /// The only objects that are there, in place of `hidden`.
-    #[serde(default)]
     pub only: Option<Vec<usize>>,
     /// A plane: what is in front of it is not seen, though it casts its shadow.
-    #[serde(default)]
     pub cut: Option<Cut>,
 }
 
