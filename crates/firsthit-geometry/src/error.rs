@@ -185,13 +185,18 @@ pub fn there_are(names: &[String], none: &str) -> String {
 /// assert_eq!(escape_controls_of_json("[\"a\u{202e}b\"]\n"), "[\"a\\u202eb\"]\n");
 /// ```
 pub fn escape_controls_of_json(json: &str) -> String {
+    // In JSON a bare line break is never part of a string.
+    escape_json(json, |c| is_unseen(c) && c != '\n')
+}
+
+/// JSON whose strings have some characters, which only strings have, as JSON's own escapes.
+#[doc(hidden)]
+pub fn escape_json(json: &str, is_escaped: impl Fn(char) -> bool) -> String {
     let mut text = String::with_capacity(json.len());
     for c in json.chars() {
-        // In JSON a bare line break is never part of a string.
-        if is_unseen(c) && c != '\n' {
+        if is_escaped(c) {
             for unit in c.encode_utf16(&mut [0; 2]) {
-                let escape = format!("\\u{unit:04x}");
-                text.push_str(&escape);
+                text += &format!("\\u{unit:04x}");
             }
         } else {
             text.push(c);

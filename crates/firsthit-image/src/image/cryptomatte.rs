@@ -9,6 +9,8 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
+use crate::error::escape_json;
+
 /// The entries of a file's metadata for a channel of mattes, as the specification has them.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Cryptomatte {
@@ -109,22 +111,7 @@ fn murmur3(bytes: &[u8]) -> u32 {
 
 /// JSON whose characters beyond ASCII are escaped: texts of an EXR have one byte for each.
 pub(super) fn ascii(json: &str) -> String {
-    if json.is_ascii() {
-        return json.to_owned();
-    }
-    let mut ascii = String::with_capacity(json.len());
-    for char in json.chars() {
-        if char.is_ascii() {
-            ascii.push(char);
-            continue;
-        }
-        // Only strings have others, the names of objects and the like, and there these are the
-        // same.
-        for unit in char.encode_utf16(&mut [0; 2]) {
-            ascii.extend(["\\u".to_owned(), format!("{unit:04x}")]);
-        }
-    }
-    ascii
+    escape_json(json, |c| !c.is_ascii())
 }
 
 #[cfg(test)]
