@@ -1,34 +1,14 @@
 //! Attributes of meshes, by name: into meshes, out of them, and where rays met them.
 
 use firsthit::channel::{AttributeName, AttributeValues, attribute as look_up, attributes};
-use firsthit::shape::{Between, Property, PropertyOf, PropertyValues};
+use firsthit::shape::{Between, Property, PropertyValues};
 use numpy::{PyArray1, PyReadonlyArray1};
 use pyo3::prelude::*;
 
 use crate::arrays::{HitsIn, copied};
-use crate::errors::{Outcome, Raised};
+use crate::errors::Outcome;
 use crate::run::{FEW, run_sized};
 use crate::scene::Scene;
-
-/// The elements that have a property, by name.
-const OF: [(&str, PropertyOf); 3] = [
-    ("vertices", PropertyOf::Vertices),
-    ("corners", PropertyOf::Corners),
-    ("faces", PropertyOf::Faces),
-];
-
-fn of_named(name: &str) -> Outcome<PropertyOf> {
-    let found = OF.iter().find(|(known, _)| *known == name);
-    found.map(|&(_, of)| of).ok_or_else(|| {
-        let got = format!("of must be vertices, corners or faces, got {name:?}");
-        Raised::value(got)
-    })
-}
-
-fn name_of(of: PropertyOf) -> &'static str {
-    let found = OF.iter().find(|&&(_, known)| known == of);
-    found.map_or("faces", |(name, _)| name)
-}
 
 /// Numbers by name: what has them, name, how many each has, whether between corners those of the
 /// nearest count, and the numbers.
@@ -46,7 +26,7 @@ impl PropertyIn<'_> {
         let Self(of, name, components, is_of_nearest, values) = self;
         Ok(Property {
             name,
-            of: of_named(&of)?,
+            of: of.parse()?,
             components,
             between: if is_of_nearest { Between::NearestCorner } else { Between::Interpolated },
             values: match values {
@@ -72,7 +52,7 @@ pub(crate) fn property_out<'py>(py: Python<'py>, property: &Property) -> Outcome
         PropertyValues::Double(values) => PyArray1::from_vec(py, copied(values)?).into_any(),
     };
     let is_of_nearest = property.between == Between::NearestCorner;
-    let of = name_of(property.of);
+    let of = property.of.name();
     Ok((of, property.name.clone(), property.components, is_of_nearest, values))
 }
 
@@ -87,7 +67,7 @@ pub(crate) fn attribute<'py>(
     report: Option<Bound<'py, PyAny>>,
 ) -> Outcome<(usize, Bound<'py, PyArray1<f64>>)> {
     let (name, of) = named;
-    let of = of.as_deref().map(of_named).transpose()?;
+    let of = of.as_deref().map(str::parse).transpose()?;
     let hits = hits.hits()?;
     let size = (hits.len(), hits.len() < FEW);
     let found = run_sized(py, size, threads, report.as_ref(), |watch| {
@@ -100,9 +80,6 @@ pub(crate) fn attribute<'py>(
 /// The attributes that a scene's meshes have: name, what has them, how many numbers.
 #[pyfunction]
 pub(crate) fn attribute_names(scene: &Scene) -> Vec<(String, &'static str, usize)> {
-    let out = |found: AttributeName<'_>| {
-        let of = name_of(found.of);
-        (found.name.to_owned(), of, found.components)
-    };
+    let out = |found: AttributeName<'_>| (found.name.to_owned(), found.of.name(), found.components);
     attributes(&scene.0).into_iter().map(out).collect()
 }

@@ -56,12 +56,9 @@ impl FilterArrays<'_> {
             let weights = of_count(weights.as_chunks::<2>().0, count)?;
             Ok::<_, PyErr>((object, primitive, weights, slice(sides, count)?))
         });
-        let side = |name: &String| {
-            Side::from_name(name).ok_or_else(|| Raised::value("expected a side's name"))
-        };
         Ok(Filters {
             masks,
-            cull: cull.as_ref().map(side).transpose()?,
+            cull: cull.as_deref().map(str::parse).transpose()?,
             skip: skip.transpose()?,
             left: left.transpose()?,
             only: only.as_ref().map(|only| slice(only, count)).transpose()?,

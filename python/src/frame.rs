@@ -8,7 +8,7 @@ use firsthit::image::{self, ArrayValues, Data, Frame, Metadata, Origin, WriteSet
 use firsthit::render::{BACKGROUND, Picture, Region, SAMPLES, work};
 use firsthit::sensor::Sensor;
 use firsthit::shoot::Cpu;
-use firsthit::{Background, Color, DisplayTransform, Side};
+use firsthit::{Background, Color, DisplayTransform};
 use numpy::{PyArray1, PyReadonlyArray1};
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
@@ -102,7 +102,7 @@ impl PictureIn {
         let picture = Picture {
             samples: *samples,
             noise: *noise,
-            cull: cull.as_deref().and_then(Side::from_name),
+            cull: cull.as_deref().map(str::parse).transpose()?,
             edges,
             // A picture with a noise is a whole one, and has no region.
             region: (noise.is_none() || !is_whole)

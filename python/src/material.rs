@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use firsthit::geometry::{self, COLOR_NAMES, color_of};
-use firsthit::scene::{AlphaMode, Filter, MapRole, Maps, Model, UvSet, Wrap};
+use firsthit::scene::{AlphaMode, MapRole, Maps, Model, UvSet, Wrap};
 use firsthit::scene_file::nearest_word;
 use firsthit::{Color, Material, Texture, TextureMap};
 use numpy::{PyArray1, PyArray3, PyArrayMethods, PyReadonlyArray3, PyUntypedArrayMethods};
@@ -68,22 +68,12 @@ pub(crate) struct MaterialIn<'py>(
     Vec<(String, MapIn<'py>)>,
 );
 
-/// The value behind a name.
-fn named<T: Copy>(what: &str, name: &str, known: &[(&'static str, T)]) -> Outcome<T> {
-    let found = known.iter().find(|&&(known, _)| known == name);
-    found.map(|&(_, value)| value).ok_or_else(|| {
-        let names: Vec<_> = known.iter().map(|&(name, _)| name).collect();
-        let text = format!("{what} must be one of {}, got {name:?}", names.join(", "));
-        Raised::value(text)
-    })
-}
-
 fn map(MapIn(texels, wraps, filter, rows, is_second): &MapIn<'_>) -> Outcome<TextureMap> {
     let [across, down] = wraps;
     Ok(TextureMap {
         texture: Arc::clone(&texels.0),
-        wrap: [named("wrap", across, &Wrap::NAMES)?, named("wrap", down, &Wrap::NAMES)?],
-        filter: named("filter", filter, &Filter::NAMES)?,
+        wrap: [across.parse()?, down.parse()?],
+        filter: filter.parse()?,
         uv_set: if *is_second { UvSet::Second } else { UvSet::First },
         picture_from_uv: *rows,
     })
@@ -112,15 +102,17 @@ pub(crate) fn material(material: &MaterialIn<'_>) -> Outcome<Material> {
         .with(MapRole::Color, texture.as_ref().map(map).transpose()?)
         .with(MapRole::Alpha, alpha_texture.as_ref().map(map).transpose()?);
     for (role, texture) in textures {
-        let role = MapRole::named(role);
-        let role = role.ok_or_else(|| Raised::value("there is no such texture"))?;
-        maps = maps.with(role, map(texture)?);
+        maps = maps.with(role.parse()?, map(texture)?);
     }
-    let modes = [
-        ("opaque", AlphaMode::Opaque),
-        ("mask", AlphaMode::Mask { cutoff: *cutoff }),
-        ("blend", AlphaMode::Blend),
-    ];
+    let alpha_mode = match mode.as_str() {
+        "opaque" => AlphaMode::Opaque,
+        "mask" => AlphaMode::Mask { cutoff: *cutoff },
+        "blend" => AlphaMode::Blend,
+        _ => {
+            let what = format!("alpha_mode must be one of opaque, mask, blend, got '{mode}'");
+            return Err(Raised::value(what));
+        }
+    };
     let material = Material {
         name: name.as_str().into(),
         color: Color::from(*color),
@@ -130,7 +122,7 @@ pub(crate) fn material(material: &MaterialIn<'_>) -> Outcome<Material> {
         maps,
         normal_scale: *normal_scale,
         occlusion_strength: *occlusion_strength,
-        alpha_mode: named("alpha_mode", mode, &modes)?,
+        alpha_mode,
         unlit: *unlit,
         double_sided: *double_sided,
     };
@@ -173,8 +165,8 @@ pub(crate) fn material_out(
     mut number: impl FnMut(&Arc<Texture>) -> usize,
 ) -> MaterialOut {
     let mut out = |map: &TextureMap| {
-        let wrap = map.wrap.map(|wrap| name_of(wrap, &Wrap::NAMES));
-        let filter = name_of(map.filter, &Filter::NAMES);
+        let wrap = map.wrap.map(Wrap::name);
+        let filter = map.filter.name();
         let rows = map.picture_from_uv.map(Triple::from);
         let is_second = map.uv_set == UvSet::Second;
         let texels = number(&map.texture);
@@ -185,18 +177,13 @@ pub(crate) fn material_out(
     let others = material.maps.roles();
     let others = others.filter(|(role, _)| !matches!(role, MapRole::Color | MapRole::Alpha));
     let others = others.map(|(role, map)| (role.name(), out(map))).collect();
-    let (mode, cutoff) = match material.alpha_mode {
-        AlphaMode::Opaque => ("opaque", 0.5),
-        AlphaMode::Mask { cutoff } => ("mask", cutoff),
-        AlphaMode::Blend => ("blend", 0.5),
-    };
     (
         material.color.into(),
         material.alpha,
         texture,
         alpha_texture,
-        mode,
-        cutoff,
+        material.alpha_mode.name(),
+        material.alpha_mode.cutoff().unwrap_or(0.5),
         material.unlit,
         material.double_sided,
         material.name.to_string(),
@@ -204,11 +191,6 @@ pub(crate) fn material_out(
         (material.emission.into(), material.normal_scale, material.occlusion_strength),
         others,
     )
-}
-
-fn name_of<T: Copy + PartialEq>(value: T, known: &[(&'static str, T)]) -> &'static str {
-    let found = known.iter().find(|&&(_, known)| known == value);
-    found.map_or("", |&(name, _)| name)
 }
 
 /// The linear colour that a text names; else the name of a colour, or one of `others`, that was

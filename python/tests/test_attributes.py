@@ -216,7 +216,7 @@ def test_a_name_that_no_mesh_has_is_refused_with_those_there_are():
         hits["head"]
     with pytest.raises(ValueError, match="no mesh has any"):
         hits.attribute("heat", of="corners")
-    with pytest.raises(ValueError, match="of must be vertices, corners or faces"):
+    with pytest.raises(ValueError, match="of must be one of vertices, corners, faces"):
         hits.attribute("heat", of="edges")
 
 

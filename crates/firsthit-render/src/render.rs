@@ -339,10 +339,7 @@ impl<'a> Picture<'a> {
         let mut digest = Digest::default();
         digest.word(&recipe.digest);
         if let Some(side) = self.cull {
-            digest.word(match side {
-                Side::Front => "front culled",
-                Side::Back => "back culled",
-            });
+            digest.word(&format!("{} culled", side.name()));
         }
         if let Some(noise) = self.noise {
             digest.word("noise");

@@ -4,7 +4,7 @@ use std::fmt::{self, Debug, Formatter};
 
 use crate::error::Result;
 use crate::geometry::summary::Count;
-use crate::geometry::{require, single};
+use crate::geometry::{names, require, single};
 use crate::memory::Storage;
 
 /// Numbers that a file gives to a mesh by name, such as a scan's quality: one or several for each
@@ -43,6 +43,13 @@ pub enum PropertyOf {
     /// The polygons, numbers for each: triangles look theirs up by
     /// [`Mesh::face`](super::Mesh::face).
     Faces,
+}
+
+names! {
+    PropertyOf, "of":
+    "vertices" => Vertices;
+    "corners" => Corners;
+    "faces" => Faces;
 }
 
 /// A property's numbers, as small as they can be without a loss.

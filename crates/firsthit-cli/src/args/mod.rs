@@ -21,7 +21,7 @@ pub(crate) use queries::{
     BuildArgs, DiffArgs, InPythonArgs, InfoArgs, LintArgs, ListArgs, NearestArgs, ProbeArgs,
     SectionArgs, ShootArgs, SolidArgs, StreamFormat, ViewArgs, VisibleArgs,
 };
-pub(crate) use run::{CulledSide, LoadArgs, PickArgs, RunArgs, SceneArgs, TreeArgs, VerbosityArgs};
+pub(crate) use run::{LoadArgs, PickArgs, RunArgs, SceneArgs, TreeArgs, VerbosityArgs};
 pub(crate) use scan::{PlaceArgs, ScanArgs, ScannerArgs};
 
 use clap::{Arg, Parser, Subcommand, ValueHint};

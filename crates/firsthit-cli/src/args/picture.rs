@@ -3,12 +3,10 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use firsthit::ToneMap;
 use firsthit::image::Far;
+use firsthit::{Side, ToneMap};
 
-use super::{
-    CameraArgs, ColorsArgs, CulledSide, EdgeArgs, Given, LightingArgs, RunArgs, SceneArgs,
-};
+use super::{CameraArgs, ColorsArgs, EdgeArgs, Given, LightingArgs, RunArgs, SceneArgs};
 use crate::completion::ChannelNames;
 use crate::help;
 use crate::output::ChannelSource;
@@ -33,8 +31,8 @@ pub(crate) struct RenderArgs {
     pub(crate) edges: EdgeArgs,
     /// The side of surfaces that the camera's rays pass through: with back, into a room through its
     /// walls. The front is where the normal points. Shadows are cast all the same
-    #[arg(long, value_name = "SIDE")]
-    pub(crate) cull: Option<CulledSide>,
+    #[arg(long, value_name = "SIDE", value_parser = values::named::<Side>(Side::NAMES))]
+    pub(crate) cull: Option<Side>,
     #[command(flatten)]
     pub(crate) scene: SceneArgs,
     #[command(flatten)]

@@ -3,11 +3,11 @@
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
-use firsthit::DVec3;
 use firsthit::measure::FillRule;
+use firsthit::{DVec3, Side};
 
 use super::look::{ColorsArgs, LightingArgs};
-use super::{CameraArgs, CulledSide, Given, LoadArgs, PickArgs, RunArgs, SceneArgs, TreeArgs};
+use super::{CameraArgs, Given, LoadArgs, PickArgs, RunArgs, SceneArgs, TreeArgs};
 use crate::completion::ChannelNames;
 use crate::help;
 use crate::output::ChannelSource;
@@ -54,8 +54,8 @@ pub(crate) struct ShootArgs {
     #[arg(long, value_name = "T", value_parser = values::t_max)]
     pub(crate) t_max: Option<f64>,
     /// The side of surfaces that rays pass through: the front is where the normal points
-    #[arg(long, value_name = "SIDE")]
-    pub(crate) cull: Option<CulledSide>,
+    #[arg(long, value_name = "SIDE", value_parser = values::named::<Side>(Side::NAMES))]
+    pub(crate) cull: Option<Side>,
     /// Write every hit of each ray, in order, not only the first: an element for each hit, with the
     /// channel ray before the others, the number of its ray. Each crossing of a surface counts
     /// once, at edges too
@@ -321,8 +321,8 @@ pub(crate) struct ProbeArgs {
     #[arg(long, value_name = "T", value_parser = values::t_max)]
     pub(crate) t_max: Option<f64>,
     /// The side of surfaces that the ray passes through: the front is where the normal points
-    #[arg(long, value_name = "SIDE")]
-    pub(crate) cull: Option<CulledSide>,
+    #[arg(long, value_name = "SIDE", value_parser = values::named::<Side>(Side::NAMES))]
+    pub(crate) cull: Option<Side>,
     /// List every object and everything behind the hit, not only the first of each kind
     #[arg(long)]
     pub(crate) all: bool,

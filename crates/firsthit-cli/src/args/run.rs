@@ -2,8 +2,7 @@
 
 use std::path::PathBuf;
 
-use clap::{Args, ValueEnum};
-use firsthit::Side;
+use clap::Args;
 use firsthit::scene::{Build, BuildSettings};
 
 use crate::values;
@@ -123,19 +122,4 @@ pub(crate) struct RunArgs {
     /// if the results go to standard output
     #[arg(long)]
     pub(crate) json: bool,
-}
-
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub(crate) enum CulledSide {
-    Front,
-    Back,
-}
-
-impl From<CulledSide> for Side {
-    fn from(side: CulledSide) -> Self {
-        match side {
-            CulledSide::Front => Self::Front,
-            CulledSide::Back => Self::Back,
-        }
-    }
 }

@@ -4,7 +4,7 @@ use std::sync::Arc;
 use firsthit::error::escape_controls;
 use firsthit::image::{FORMATS, format_of, is_point_cloud};
 use firsthit::load::LoadSettings;
-use firsthit::shape::{Property, PropertyOf};
+use firsthit::shape::Property;
 use firsthit::shoot::Cpu;
 use firsthit::watch::Watch as _;
 use firsthit::{Bounds, Object, Scene, Shape};
@@ -73,7 +73,7 @@ fn as_json(loaded: &Loaded, most: usize, progress: &Progress) -> Value {
         let names = properties(object);
         let listed = names.iter().take(room);
         let listed: Vec<Value> = listed
-            .map(|property| json!({"name": property.name, "of": of_what(property.of)}))
+            .map(|property| json!({"name": property.name, "of": property.of.name()}))
             .collect();
         room -= listed.len();
         let mut described = json!({
@@ -172,7 +172,7 @@ fn as_text(loaded: &Loaded, most: usize, progress: &Progress) -> String {
         )];
         entry.extend(solids.as_text(object, most, "       "));
         let property = |property: &Property| {
-            let (of, name) = (of_what(property.of), escape_controls(&property.name));
+            let (of, name) = (property.of.name(), escape_controls(&property.name));
             match property.components {
                 1 => format!("{name}, a number for each of the {of}"),
                 several => format!("{name}, {several} numbers for each of the {of}"),
@@ -220,14 +220,6 @@ fn origin(object: usize, scene: &Scene) -> String {
 /// The numbers that an object's mesh has by name.
 fn properties(object: &Object) -> &[Property] {
     object.mesh().map_or(&[], |mesh| mesh.properties())
-}
-
-fn of_what(of: PropertyOf) -> &'static str {
-    match of {
-        PropertyOf::Vertices => "vertices",
-        PropertyOf::Corners => "corners",
-        PropertyOf::Faces => "faces",
-    }
 }
 
 /// The number of vertices in the file: where it does not count them itself, those that objects

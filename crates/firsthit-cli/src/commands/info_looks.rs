@@ -7,7 +7,7 @@ use firsthit::error::escape_controls;
 use firsthit::geometry::Value as Setting;
 use firsthit::scene::{Environment, MapRole};
 use firsthit::world::{NamedCamera, World};
-use firsthit::{AlphaMode, DVec3, Lens, Light, Material, Scene, Texture};
+use firsthit::{DVec3, Lens, Light, Material, Scene, Texture};
 use serde_json::{Map, Value, json};
 
 use super::info_environment;
@@ -88,11 +88,7 @@ impl<'a> Looks<'a> {
                 "name": &*material.name,
                 "color": material.color.to_array(),
                 "alpha": material.alpha,
-                "alpha_mode": match material.alpha_mode {
-                    AlphaMode::Opaque => "opaque",
-                    AlphaMode::Mask { .. } => "mask",
-                    AlphaMode::Blend => "blend",
-                },
+                "alpha_mode": material.alpha_mode.name(),
                 "texture": texture.map(|map| size(&map.texture)),
                 "unlit": material.unlit,
                 "double_sided": material.double_sided,

@@ -45,7 +45,7 @@ fn probe<'a>(
     progress: &Progress,
 ) -> Result<(Explanation<'a>, Vec<String>), Failure> {
     let Loaded { scene, model, .. } = loaded;
-    let filter = RayFilter { cull: args.cull.map(From::from), ..RayFilter::NONE };
+    let filter = RayFilter { cull: args.cull, ..RayFilter::NONE };
     let mut settings = ExplainSettings {
         t_min: Some(t_min),
         t_max: Some(t_max),

@@ -66,7 +66,7 @@ enum RayInput {
 /// The limits of the rays.
 fn limits(args: &ShootArgs) -> Result<Limits, Failure> {
     let (t_min, t_max) = ends(args.t_min, args.t_max)?;
-    Ok(Limits { t_min, t_max, cull: args.cull.map(From::from) })
+    Ok(Limits { t_min, t_max, cull: args.cull })
 }
 
 pub(crate) fn run(args: &ShootArgs, progress: &Progress) -> Result<(), Failure> {

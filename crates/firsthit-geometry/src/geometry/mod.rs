@@ -57,7 +57,7 @@ pub use display_transform::DisplayTransform;
 pub use grid::PixelGrid;
 pub use hit::Hit;
 #[doc(hidden)]
-pub use named::named;
+pub use named::{named, names};
 pub use ray::{Filtered, Ray, Rays};
 pub use ray_filter::{Departure, RayFilter, Side, SurfaceId};
 #[doc(hidden)]

@@ -12,6 +12,17 @@ macro_rules! named {
             $($(#[$of_variant])* $variant,)*
         }
 
+        $crate::geometry::names! { $kind, $what: $($name => $variant;)* }
+    };
+}
+#[doc(hidden)]
+pub use named;
+
+/// Gives the variants of an enum names, as [`named!`] does: for enums with other derives.
+#[doc(hidden)]
+#[macro_export]
+macro_rules! names {
+    ($kind:ident, $what:literal: $($name:literal => $variant:ident;)*) => {
         impl $kind {
             /// Every name.
             pub const NAMES: &[&'static str] = &[$($name),*];
@@ -38,4 +49,4 @@ macro_rules! named {
     };
 }
 #[doc(hidden)]
-pub use named;
+pub use names;

@@ -1,4 +1,5 @@
 use super::DVec2;
+use super::names;
 
 /// A part of an object's surface, by its identifiers as in a [`Hit`](super::Hit).
 ///
@@ -28,7 +29,8 @@ pub struct SurfaceId {
 /// ```
 /// use firsthit::Side;
 ///
-/// assert_eq!(Side::from_name("back"), Some(Side::Back));
+/// assert_eq!("back".parse::<Side>()?, Side::Back);
+/// # Ok::<(), firsthit::Error>(())
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Side {
@@ -38,19 +40,7 @@ pub enum Side {
     Back,
 }
 
-impl Side {
-    /// Every side's name.
-    pub const NAMES: [&'static str; 2] = ["front", "back"];
-
-    /// The side with a name.
-    pub fn from_name(name: &str) -> Option<Self> {
-        match name {
-            "front" => Some(Self::Front),
-            "back" => Some(Self::Back),
-            _ => None,
-        }
-    }
-}
+names! { Side, "side": "front" => Front; "back" => Back; }
 
 /// The point of a surface that a ray leaves: in a triangle the point with these weights, exactly;
 /// on any other shape the ray's origin.

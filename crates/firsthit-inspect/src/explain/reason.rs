@@ -1,6 +1,6 @@
 //! The reasons why an object is or is not the first hit.
 
-use crate::geometry::Side;
+use crate::geometry::{Side, names};
 use crate::shoot::Rejection;
 
 /// Makes [`Reason`] and what depends on the list of reasons.
@@ -21,15 +21,9 @@ macro_rules! reasons {
             $($(#[$doc])* $kind,)*
         }
 
+        names! { Reason, "reason": $($name => $kind;)* }
+
         impl Reason {
-            /// Every reason, in order.
-            pub const ALL: &[Self] = &[$(Self::$kind),*];
-
-            /// The name, for programs.
-            pub fn name(self) -> &'static str {
-                match self { $(Self::$kind => $name,)* }
-            }
-
             /// The meaning for the object, for people.
             pub fn about(self) -> &'static str {
                 match self { $(Self::$kind => $about,)* }

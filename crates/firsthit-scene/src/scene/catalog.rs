@@ -5,7 +5,7 @@ use std::hash::Hash;
 use std::ops::Range;
 use std::sync::Arc;
 
-use super::{AlphaMode, MapRole, Material, Object, Scene, TextureMap};
+use super::{MapRole, Material, Object, Scene, TextureMap};
 use crate::geometry::Value;
 use crate::parallel;
 use crate::shape::Mesh;
@@ -185,7 +185,7 @@ struct MaterialKey {
     numbers: Vec<u64>,
     model: &'static str,
     flags: [bool; 2],
-    alpha_mode: u8,
+    alpha_mode: &'static str,
     maps: Vec<(MapRole, MapKey)>,
 }
 
@@ -204,11 +204,7 @@ impl MaterialKey {
             unlit,
             double_sided,
         } = material;
-        let (alpha_mode, cutoff) = match *alpha_mode {
-            AlphaMode::Opaque => (0, 0.0),
-            AlphaMode::Mask { cutoff } => (1, cutoff),
-            AlphaMode::Blend => (2, 0.0),
-        };
+        let (alpha_mode, cutoff) = (alpha_mode.name(), alpha_mode.cutoff().unwrap_or(0.0));
         let mut numbers = [*color, *emission].map(|color| color.to_array()).concat();
         numbers.extend([*alpha, cutoff, *normal_scale, *occlusion_strength]);
         for (_, value) in model.settings() {

@@ -2,8 +2,8 @@ use std::collections::HashMap;
 use std::sync::Arc;
 
 use super::{
-    AlphaMode, ColorBy, Environment, EnvironmentKind, Filter, Light, MapRole, Material, Model,
-    Object, Scene, TextureMap, UvSet, Wrap,
+    ColorBy, Environment, EnvironmentKind, Light, MapRole, Material, Model, Object, Scene,
+    TextureMap, UvSet,
 };
 use crate::geometry::{Color, Digest, Value};
 use crate::parallel;
@@ -137,14 +137,8 @@ fn digest_material(material: &Material, known: &mut Known, digest: &mut Digest) 
     } = material;
     digest.vector(*color);
     digest.numbers(&[*alpha, f64::from(*unlit)]);
-    match alpha_mode {
-        AlphaMode::Opaque => digest.word("opaque"),
-        AlphaMode::Mask { cutoff } => {
-            digest.word("mask");
-            digest.numbers(&[*cutoff]);
-        }
-        AlphaMode::Blend => digest.word("blend"),
-    }
+    digest.word(alpha_mode.name());
+    digest.numbers(alpha_mode.cutoff().as_slice());
     let first = [MapRole::Color, MapRole::Alpha];
     for map in first.map(|role| maps.get(role)) {
         digest.count(usize::from(map.is_some()));
@@ -188,16 +182,9 @@ fn digest_map(map: &TextureMap, known: &mut Known, digest: &mut Digest) {
     let texels = *(known.entry(Arc::as_ptr(texture).addr())).or_insert_with(of_texture);
     digest.bytes(&texels);
     for wrap in wrap {
-        digest.word(match wrap {
-            Wrap::Repeat => "repeat",
-            Wrap::Mirror => "mirror",
-            Wrap::Clamp => "clamp",
-        });
+        digest.word(wrap.name());
     }
-    digest.word(match filter {
-        Filter::Nearest => "nearest",
-        Filter::Linear => "linear",
-    });
+    digest.word(filter.name());
     if *uv_set == UvSet::Second {
         digest.word("second uvs");
     }

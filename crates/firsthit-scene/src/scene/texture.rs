@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use crate::error::{Error, Result};
 use crate::geometry::summary::summary;
-use crate::geometry::{Color, DVec2, srgb_decode_level};
+use crate::geometry::{Color, DVec2, named, srgb_decode_level};
 use crate::memory::Storage;
 
 /// Texels of 8-bit red, green, blue and alpha. Colours are encoded as sRGB, alpha is linear; row 0
@@ -105,23 +105,19 @@ pub struct Sample {
     pub alpha: f64,
 }
 
-/// The continuation of a texture beyond its edges.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
-pub enum Wrap {
+named! {
+    /// The continuation of a texture beyond its edges.
+    pub enum Wrap, "wrap":
     /// The texture again.
     #[default]
-    Repeat,
+    "repeat" => Repeat;
     /// The texture again, every other time mirrored.
-    Mirror,
+    "mirror" => Mirror;
     /// The texels at the edge.
-    Clamp,
+    "clamp" => Clamp;
 }
 
 impl Wrap {
-    /// Every way's name.
-    pub const NAMES: [(&'static str, Self); 3] =
-        [("repeat", Self::Repeat), ("mirror", Self::Mirror), ("clamp", Self::Clamp)];
-
     /// The texel at an index that may lie beyond the `count` that there are; `texel` is whole.
     #[expect(
         clippy::cast_possible_truncation,
@@ -148,20 +144,15 @@ impl Wrap {
     }
 }
 
-/// The filter between texel centres. There are no mipmaps: more samples per pixel serve instead.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
-pub enum Filter {
+named! {
+    /// The filter between texel centres. There are no mipmaps: more samples per pixel serve
+    /// instead.
+    pub enum Filter, "filter":
     /// The nearest texel's colour.
-    Nearest,
+    "nearest" => Nearest;
     /// The mean of the four around, by distance, in linear light.
     #[default]
-    Linear,
-}
-
-impl Filter {
-    /// Every way's name.
-    pub const NAMES: [(&'static str, Self); 2] =
-        [("nearest", Self::Nearest), ("linear", Self::Linear)];
+    "linear" => Linear;
 }
 
 /// One of the two sets of texture coordinates that a mesh may have.

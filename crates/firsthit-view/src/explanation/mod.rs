@@ -66,7 +66,7 @@ fn ray_lines(explained: &Explanation<'_>) -> Vec<String> {
         passes.push(format!("meets object {only} alone"));
     }
     if let Some(side) = filter.cull {
-        passes.push(format!("passes through {}s", side_name(side)));
+        passes.push(format!("passes through {}s", side.name()));
     }
     for surface in filter.skip.iter().flatten() {
         let SurfaceId { object, primitive } = surface;
@@ -83,13 +83,6 @@ fn ray_lines(explained: &Explanation<'_>) -> Vec<String> {
         lines.push(format!("           it meets nothing: {fault}"));
     }
     lines
-}
-
-fn side_name(side: Side) -> &'static str {
-    match side {
-        Side::Front => "front",
-        Side::Back => "back",
-    }
 }
 
 /// The lines about the crossings behind the hit.
@@ -164,7 +157,7 @@ fn ray_json(ray: &Ray, filter: &RayFilter) -> Value {
         "t_max": ray.t_max,
         "mask": filter.mask,
         "only": filter.only,
-        "cull": filter.cull.map(side_name),
+        "cull": filter.cull.map(Side::name),
         "skip": filter.skip.iter().flatten().copied().map(surface).collect::<Vec<_>>(),
         "leaves": filter.departure.map(|departure| surface(departure.surface)),
     })

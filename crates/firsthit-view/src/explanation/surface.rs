@@ -166,18 +166,13 @@ fn entry_json(entry: &CatalogEntry<'_>) -> Value {
 }
 
 fn material_json(entry: Option<&CatalogEntry<'_>>, material: &Material) -> Value {
-    let (mode, cutoff) = match material.alpha_mode {
-        AlphaMode::Opaque => ("opaque", None),
-        AlphaMode::Mask { cutoff } => ("mask", Some(cutoff)),
-        AlphaMode::Blend => ("blend", None),
-    };
     json!({
         "id": entry.map(|entry| entry.number),
         "name": entry.map(|entry| entry.name),
         "color": material.color.to_array(),
         "alpha": material.alpha,
-        "alpha_mode": mode,
-        "cutoff": cutoff,
+        "alpha_mode": material.alpha_mode.name(),
+        "cutoff": material.alpha_mode.cutoff(),
         "unlit": material.unlit,
         "double_sided": material.double_sided,
         "color_map": map_size(material, MapRole::Color),

@@ -139,7 +139,7 @@ fn rendered(
         is_rounded: args.picture.files.is_rounded(),
         guessed: &guessed,
         legend: args.picture.legend.as_deref(),
-        cull: args.cull.map(From::from),
+        cull: args.cull,
         edges,
     };
     picture(&job, &orders, &args.run, progress)

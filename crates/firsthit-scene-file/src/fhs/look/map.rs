@@ -6,8 +6,8 @@ use serde::{Deserialize, Serialize};
 
 use super::super::number::Number;
 use super::missing;
-use crate::error::{Error, Result};
-use crate::scene::{Filter, Texture, TextureMap, UvSet, Wrap};
+use crate::error::Result;
+use crate::scene::{Texture, TextureMap, UvSet};
 
 /// A texture on a surface. Its texture is named by its place in the record.
 #[derive(Debug, Serialize, Deserialize)]
@@ -27,8 +27,8 @@ impl MapRecord {
     pub(in crate::fhs) fn new(map: &TextureMap, texture: usize) -> Self {
         Self {
             texture,
-            wrap: map.wrap.map(|wrap| name_of(wrap, &Wrap::NAMES)),
-            filter: name_of(map.filter, &Filter::NAMES),
+            wrap: map.wrap.map(|wrap| wrap.name().to_owned()),
+            filter: map.filter.name().to_owned(),
             second_uvs: map.uv_set == UvSet::Second,
             picture_from_uv: map.picture_from_uv.map(|row| row.map(Number)),
         }
@@ -40,22 +40,10 @@ impl MapRecord {
         let [across, down] = &self.wrap;
         Ok(TextureMap {
             texture: Arc::clone(texture),
-            wrap: [named(across, &Wrap::NAMES)?, named(down, &Wrap::NAMES)?],
-            filter: named(&self.filter, &Filter::NAMES)?,
+            wrap: [across.parse()?, down.parse()?],
+            filter: self.filter.parse()?,
             uv_set: if self.second_uvs { UvSet::Second } else { UvSet::First },
             picture_from_uv: self.picture_from_uv.map(|row| row.map(|Number(number)| number)),
         })
     }
-}
-
-fn named<T: Copy>(name: &str, known: &[(&'static str, T)]) -> Result<T> {
-    let found = known.iter().find(|&&(known, _)| known == name);
-    found
-        .map(|&(_, value)| value)
-        .ok_or_else(|| Error::argument("wrap or filter", "a name that textures know", name))
-}
-
-fn name_of<T: Copy + PartialEq>(value: T, known: &[(&'static str, T)]) -> String {
-    let found = known.iter().find(|&&(_, known)| known == value);
-    found.map_or("", |&(name, _)| name).to_owned()
 }

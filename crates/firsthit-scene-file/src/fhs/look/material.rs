@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use super::super::number::{Number, Triple};
 use super::kind::KindRecord;
 use super::missing;
-use crate::error::{Error, Result, escape_controls};
+use crate::error::{Result, escape_controls};
 use crate::geometry::DVec3;
 use crate::scene::{AlphaMode, MapRole, Maps, Material, Model, TextureMap};
 
@@ -87,9 +87,7 @@ impl MaterialRecord {
             .with(MapRole::Color, map(self.color_map)?)
             .with(MapRole::Alpha, map(self.alpha_map)?);
         for (name, number) in &self.maps {
-            let role = MapRole::named(name);
-            let role = role.ok_or_else(|| Error::argument("map", "a role that is known", name))?;
-            all = all.with(role, map(Some(*number))?);
+            all = all.with(name.parse()?, map(Some(*number))?);
         }
         let or_one = |value: Option<Number>| value.map_or(1.0, |Number(value)| value);
         let material = Material {

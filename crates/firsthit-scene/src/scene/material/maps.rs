@@ -1,5 +1,6 @@
 //! The textures of a material, and what each is for.
 
+use crate::geometry::names;
 use crate::scene::TextureMap;
 
 /// Makes [`MapRole`] and what depends on the list of roles: a name, and whether the texture holds
@@ -12,20 +13,9 @@ macro_rules! roles {
             $($(#[doc = $about])* $role,)*
         }
 
+        names! { MapRole, "texture": $($name => $role;)* }
+
         impl MapRole {
-            /// Every role.
-            pub const ALL: &[Self] = &[$(Self::$role),*];
-
-            /// The role's name.
-            pub fn name(self) -> &'static str {
-                match self { $(Self::$role => $name,)* }
-            }
-
-            /// The role of that name.
-            pub fn named(name: &str) -> Option<Self> {
-                match name { $($name => Some(Self::$role),)* _ => None }
-            }
-
             /// Whether its textures hold colours, in sRGB.
             pub(crate) fn is_color(self) -> bool {
                 match self { $(Self::$role => $is_color,)* }

@@ -87,6 +87,25 @@ pub enum AlphaMode {
     Blend,
 }
 
+impl AlphaMode {
+    /// The name: `opaque`, `mask` or `blend`.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Opaque => "opaque",
+            Self::Mask { .. } => "mask",
+            Self::Blend => "blend",
+        }
+    }
+
+    /// The least alpha that is there, of a mask.
+    pub fn cutoff(self) -> Option<f64> {
+        match self {
+            Self::Mask { cutoff } => Some(cutoff),
+            Self::Opaque | Self::Blend => None,
+        }
+    }
+}
+
 impl Default for Material {
     /// White, opaque, lit, matte.
     fn default() -> Self {
