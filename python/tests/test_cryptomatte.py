@@ -5,6 +5,7 @@ import json
 import firsthit as fh
 import numpy as np
 import pytest
+from firsthit import _firsthit
 
 ROWS, COLUMNS, SAMPLES = 24, 32, 16
 
@@ -54,7 +55,7 @@ def counted(seen_by):
     """Return for each object the share of samples that meet it, shot one sample after the other."""
     counts = np.zeros((2, ROWS, COLUMNS))
     for sample in range(SAMPLES):
-        origins, directions = seen_by._native.rays((0, ROWS), sample)
+        origins, directions = _firsthit.rays_of_rows(seen_by._native, (0, ROWS), sample)
         hits = scene().shoot(origins, directions)
         met = hits.object.reshape(ROWS, COLUMNS)
         counts += [met == 0, met == 1]

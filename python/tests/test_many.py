@@ -619,7 +619,8 @@ class Count:
     def merge(self, first, second):
         return {"hits": first["hits"] + second["hits"]}
 if __name__ == "__main__":
-    scene = ball()
+    scene = fh.Scene()
+    scene.add(fh.Sphere((0, 0, 0), 1))
     rays = [(0, 0, 5)] * 9, (0, 0, -1)
     on, out = fh.many.processes(2), sys.argv[1]
     made = fh.shoot_many(scene, rays, out, fold=Count(), part_size=3, on=on)
