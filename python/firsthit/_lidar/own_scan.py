@@ -14,7 +14,7 @@ from firsthit._sensors.conventions import rigid
 from firsthit._sensors.ray_sensor import RaySensor
 
 from .lidar_scan import ScanOrigin
-from .patterns import rings_of
+from .patterns import PatternSensor, rings_of
 from .scan import classes_of
 
 if TYPE_CHECKING:
@@ -23,8 +23,6 @@ if TYPE_CHECKING:
     import numpy.typing as npt
 
     from firsthit.typing import ObjectKey
-
-    from .lidar import Lidar
 
 
 def scan_of(
@@ -85,15 +83,12 @@ def scan_of(
     return arrays, (rows, columns), ScanOrigin(met._built.native, sensor._native, how)
 
 
-def _lidar_of(given: Hits | AllHits) -> Lidar | None:
+def _lidar_of(given: Hits | AllHits) -> PatternSensor | None:
     """Return the scanner whose beams met these, each in its place, if one did."""
-    # Imported here: scanners import scans.
-    from .lidar import Lidar
-
     if isinstance(given, AllHits) or not given._source.is_whole:
         return None
     sensor = given._source.camera
-    return sensor if isinstance(sensor, Lidar) else None
+    return sensor if isinstance(sensor, PatternSensor) else None
 
 
 def _of_beams(

@@ -393,6 +393,57 @@ class PatternSensor(OtherSensor):
             ("table", (azimuths, elevations, times, rings)), position, pose, trajectory
         )
 
+    @property
+    def name(self) -> str:
+        """The model, or the kind of pattern."""
+        return self._pattern.name()
+
+    @property
+    def pose(self) -> npt.NDArray[np.float64]:
+        """The pose, (4, 4) float64: to the world, or with a trajectory to the body."""
+        return np.array(self._pose)
+
+    @property
+    def trajectory(self) -> Trajectory | None:
+        """The trajectory of the body that carries it."""
+        return self._trajectory
+
+    @property
+    def azimuth(self) -> npt.NDArray[np.float64]:
+        """The azimuth of each beam in degrees, (rows, columns) float64."""
+        return self._pattern.beams()[0].reshape(self.shape)
+
+    @property
+    def elevation(self) -> npt.NDArray[np.float64]:
+        """The elevation of each beam in degrees, (rows, columns) float64."""
+        return self._pattern.beams()[1].reshape(self.shape)
+
+    @property
+    def direction(self) -> npt.NDArray[np.float64]:
+        """The direction of each beam in its own frame, (rows, columns, 3), of length one."""
+        return self._pattern.beams()[2].reshape(*self.shape, 3)
+
+    @property
+    def time(self) -> npt.NDArray[np.float64]:
+        """The time of each beam in seconds, (rows, columns) float64."""
+        return self._pattern.beams()[3].reshape(self.shape)
+
+    @property
+    def ring(self) -> npt.NDArray[np.int32]:
+        """The number of each beam's laser, (rows, columns) int32."""
+        return self._pattern.beams()[4].reshape(self.shape)
+
+    def poses(self) -> npt.NDArray[np.float64]:
+        """Return the pose of the scanner at the time of each beam.
+
+        Returns
+        -------
+        (rows, columns, 4, 4) array of float64
+            The matrices that take its coordinates to the world's.
+        """
+        flat = self._native.poses(np.arange(self.rows * self.columns))
+        return flat.reshape(*self.shape, 4, 4)
+
 
 def placed(
     position: npt.ArrayLike | None, pose: npt.ArrayLike | None, trajectory: Trajectory | None
