@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -33,9 +33,12 @@ if TYPE_CHECKING:
     from firsthit._objects.traceable import Built
     from firsthit.typing import Selection
 
+    from ._box import Box3D
     from ._classes import By, Classes, Group
     from ._keypoints import Given, Keypoints
+    from ._silhouette import Silhouette
 
+    Floats = npt.NDArray[np.float64]
     Identifiers = npt.NDArray[np.int32]
 
 
@@ -131,34 +134,19 @@ def annotate(
     groups, names = grouped([(k, built.objects[k]) for k in only], classes, by)
     points = settled(keypoints)
     _check_keys(points, groups, names)
-    if frame is None:
-        identifiers = shoot_camera(built, camera, threads_or_all(threads), None).object
-    else:
-        identifiers = _identifiers(frame, built, camera)
-    # The last place is that of a miss, which is -1.
-    instance_of = np.full(len(built.objects) + 1, -1, np.int32)
-    for number, group in enumerate(groups):
-        instance_of[list(group.objects)] = number
-    shown = instance_of[identifiers]
-    pixels = np.bincount(identifiers.reshape(-1) + 1, minlength=len(built.objects) + 1)[1:]
+    picture = _Picture.of(built, camera, frame, groups, threads)
     corners, instances, occlusions, stands = Corners(), [], [], at_middle_line(camera)
     poses = world_from_camera(stands), camera_from_world(stands)
     for number, group in enumerate(groups):
-        if not unseen and not pixels[list(group.objects)].any():
+        if not unseen and not picture.pixels[list(group.objects)].any():
             continue
         own = [built.objects[k] for k in group.objects]
         box, in_camera = boxes(own, poses, corners)
-        if isinstance(camera, Camera):
-            alone = silhouette(built, camera, group.objects, in_camera, threads)
-        else:
-            alone = silhouette_by_lines(built, camera, group.objects, box, threads)
-        amodal, part = alone.mask, alone.mask.part
-        visible = shown[part] == number
-        if np.count_nonzero(visible) != pixels[list(group.objects)].sum():
-            raise _other(f"it shows object {group.objects[0]} where no ray meets that")
-        occlusions += _occlusions(number, identifiers[part][amodal.crop & ~visible], instance_of)
+        alone = picture.alone(group, box, in_camera)
+        visible, hiding = picture.visible(number, group, alone.mask)
+        occlusions += hiding
         parts = tuple(
-            Part(k, made.name, made.node, made.mesh_name, int(pixels[k]))
+            Part(k, made.name, made.node, made.mesh_name, int(picture.pixels[k]))
             for k, made in zip(group.objects, own, strict=True)
         )
         place = own[0].transform
@@ -169,8 +157,8 @@ def annotate(
                 number,
                 group.class_name,
                 parts,
-                Mask.of(visible, shape=amodal.shape, row=amodal.row, column=amodal.column),
-                amodal,
+                visible,
+                alone.mask,
                 alone.whole_pixels,
                 alone.whole_box,
                 alone.truncated,
@@ -178,7 +166,63 @@ def annotate(
                 marks,
             )
         )
-    return Annotations._of(camera, tuple(instances), tuple(occlusions), names, shown, points)
+    made = tuple(instances), tuple(occlusions)
+    return Annotations._of(camera, *made, names, picture.shown(), points)
+
+
+class _Picture(NamedTuple):
+    """The objects that a picture shows, and the instances that they are of."""
+
+    built: Built
+    camera: PictureSensor
+    threads: int | None
+    #: The object at each pixel.
+    identifiers: Identifiers
+    #: The instance of each object. The last place is that of a miss, which is -1.
+    instance_of: Identifiers
+    #: The number of pixels of each object.
+    pixels: npt.NDArray[np.intp]
+
+    @classmethod
+    def of(
+        cls,
+        built: Built,
+        camera: PictureSensor,
+        frame: Frame | None,
+        groups: Sequence[Group],
+        threads: int | None,
+    ) -> _Picture:
+        """Take the objects from a frame, or shoot them."""
+        if frame is None:
+            identifiers = shoot_camera(built, camera, threads_or_all(threads), None).object
+        else:
+            identifiers = _identifiers(frame, built, camera)
+        count = len(built.objects) + 1
+        instance_of = np.full(count, -1, np.int32)
+        for number, group in enumerate(groups):
+            instance_of[list(group.objects)] = number
+        pixels = np.bincount(identifiers.reshape(-1) + 1, minlength=count)[1:]
+        return cls(built, camera, threads, identifiers, instance_of, pixels)
+
+    def shown(self) -> Identifiers:
+        """Return the instance at each pixel."""
+        return self.instance_of[self.identifiers]
+
+    def alone(self, group: Group, box: Box3D | None, in_camera: Floats) -> Silhouette:
+        """Return the silhouette of an instance as if nothing hid it."""
+        if isinstance(self.camera, Camera):
+            return silhouette(self.built, self.camera, group.objects, in_camera, self.threads)
+        return silhouette_by_lines(self.built, self.camera, group.objects, box, self.threads)
+
+    def visible(self, number: int, group: Group, amodal: Mask) -> tuple[Mask, list[Occlusion]]:
+        """Return the part of a silhouette that is seen, and what hides the rest."""
+        identifiers = self.identifiers[amodal.part]
+        visible = self.instance_of[identifiers] == number
+        if np.count_nonzero(visible) != self.pixels[list(group.objects)].sum():
+            raise _other(f"it shows object {group.objects[0]} where no ray meets that")
+        hiding = _occlusions(number, identifiers[amodal.crop & ~visible], self.instance_of)
+        mask = Mask.of(visible, shape=amodal.shape, row=amodal.row, column=amodal.column)
+        return mask, hiding
 
 
 def _identifiers(frame: Frame, built: Built, camera: PictureSensor) -> Identifiers:
