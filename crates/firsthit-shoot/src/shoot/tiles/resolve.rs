@@ -23,26 +23,35 @@ struct SeenObject<'a> {
 }
 
 impl SeenObject<'_> {
-    /// The object that all these triangles are of, and their numbers there in their place; `None`
-    /// where they are of several.
+    /// The objects that these triangles are of, and their numbers there in their place.
     #[inline(always)]
-    fn only_object(&self, scene: &Scene, primitives: &mut [i32; LANES]) -> Option<i32> {
+    fn objects(&self, scene: &Scene, primitives: &mut [i32; LANES]) -> [i32; LANES] {
         if self.mesh.one().is_some() {
-            return Some(self.index.cast_signed());
+            return [self.index.cast_signed(); LANES];
         }
-        let object = scene.surface_at(self.index, primitives[0]).object;
-        let [start, end] = scene.numbers_of(object.cast_unsigned())?.map(u32::cast_signed);
-        let mut is_same = true;
-        for primitive in primitives {
-            is_same &= start <= *primitive && *primitive < end;
-            *primitive -= start;
+        let numbers = *primitives;
+        let mut objects = [-1; LANES];
+        for lane in 0..LANES {
+            // Most are of one object, or of two.
+            if objects[lane] >= 0 {
+                continue;
+            }
+            let first = scene.surface_at(self.index, numbers[lane]);
+            (objects[lane], primitives[lane]) = (first.object, first.primitive);
+            let range = scene.numbers_of(first.object.cast_unsigned()).unwrap_or_default();
+            let [start, end] = range.map(u32::cast_signed);
+            for (k, &number) in numbers.iter().enumerate() {
+                let is_same = start <= number && number < end;
+                objects[k] = if is_same { first.object } else { objects[k] };
+                primitives[k] = if is_same { number - start } else { primitives[k] };
+            }
         }
-        is_same.then_some(object)
+        objects
     }
 }
 
 /// Writes the hits of a block, each with the mask of its half; `false` where one of them is not
-/// sound, or they are of several objects.
+/// sound.
 #[inline(always)]
 fn put_sound<L: Lanes>(
     l: L,
@@ -54,11 +63,9 @@ fn put_sound<L: Lanes>(
     if sound & sound_too != u8::MAX {
         return false;
     }
-    let object = seen.only_object(scene, &mut primitives);
-    if let Some(object) = object {
-        out.put_block(l, at, object, &primitives, [first, second]);
-    }
-    object.is_some()
+    let objects = seen.objects(scene, &mut primitives);
+    out.put_block(l, at, &objects, &primitives, [first, second]);
+    true
 }
 
 impl TileTask<'_> {

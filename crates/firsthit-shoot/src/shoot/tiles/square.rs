@@ -95,14 +95,13 @@ impl<T: Copy> InPhase<T> {
 }
 
 impl HitSlices<'_> {
-    /// Writes those of a whole block to a square, from an index on: each meets `object`, half of
-    /// them in a register.
+    /// Writes those of a whole block to a square, from an index on, half of them in a register.
     #[inline(always)]
     pub(super) fn put_block<L: Lanes>(
         &mut self,
         l: L,
         at: usize,
-        object: i32,
+        objects: &[i32; LANES],
         primitives: &[i32; LANES],
         halves: [[L::Doubles; 3]; 2],
     ) {
@@ -113,7 +112,7 @@ impl HitSlices<'_> {
                 let at = at + (2 * half + row) * Square::STRIDE;
                 let lane = (2 * half + row) * BLOCK;
                 arrays::copy::<_, BLOCK>(&ts[row * BLOCK..], &mut self.t[at..]);
-                arrays::copy::<_, BLOCK>(&[object; BLOCK], &mut self.object[at..]);
+                arrays::copy::<_, BLOCK>(&objects[lane..], &mut self.object[at..]);
                 arrays::copy::<_, BLOCK>(&primitives[lane..], &mut self.primitive[at..]);
                 let pairs: &mut [f64] = bytemuck::cast_slice_mut(&mut self.barycentric[at..]);
                 let pairs = pairs.first_chunk_mut().expect("a row's pairs are eight numbers");
