@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use super::plan::{GridSource, Placed};
+use super::plan::{GridSource, Placed, Rest};
 use crate::accel::TILE;
 use crate::geometry::{DVec3, PixelGrid, Rays};
 use crate::scene::Scene;
@@ -14,17 +14,21 @@ const MANY: usize = 64;
 /// ray through the tree over many objects. Measured on Zen 4 with AVX2.
 const MESH_IN_TILE: f64 = 0.8;
 const TRIANGLE: f64 = 3.3e-3;
-const RAY_AMONG_MANY: f64 = 0.35;
+const RAY_AMONG_MANY: f64 = 0.2;
 
 /// Whether it costs more to bring each mesh into all tiles that it may be seen in than to send the
-/// rays through the tree over many objects.
+/// rays through the tree over many objects. Where tiles leave any objects to that tree, each ray goes
+/// there in any case.
 pub(super) fn costs_more(
     scene: &Scene,
     (rays, grid, source): (&dyn Rays, &PixelGrid, GridSource),
-    meshes: &[Placed],
+    (meshes, rest): (&[Placed], &Rest),
 ) -> bool {
     if meshes.len() <= MANY {
         return false;
+    }
+    if matches!(rest, Rest::Any) {
+        return true;
     }
     let view = (source == GridSource::Curved).then(|| CurvedView::new(rays, grid));
     let (mut in_tiles, mut triangles) = (0.0, 0);

@@ -113,7 +113,7 @@ impl<'a> Plan<'a> {
             1..=MOST_SHAPES if are_shapes => Rest::Shapes(shapes),
             _ => Rest::Any,
         };
-        if costs_more(scene, (rays, &grid, source), &meshes) {
+        if costs_more(scene, (rays, &grid, source), (&meshes, &rest)) {
             return None;
         }
         meshes.sort_by(|a: &Placed, b| a.entry.total_cmp(&b.entry));
