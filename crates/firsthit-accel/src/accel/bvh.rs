@@ -72,7 +72,7 @@ pub(super) struct Places {
 }
 
 /// The widening of boxes, and of rays, as a share of their coordinates.
-const BOX_ROUNDING: f64 = 6.0 * U as f64;
+pub(super) const BOX_ROUNDING: f64 = 6.0 * U as f64;
 
 /// Boxes may move as far as this from the origin, in units of the tree, before it is built anew.
 pub(super) const FARTHEST: f64 = 65_536.0;

@@ -54,7 +54,7 @@ pub use packet_walk::PacketWalk;
 #[doc(hidden)]
 pub use rays::enter::product_along;
 #[doc(hidden)]
-pub use rays::packet::{Packet, RAYS};
+pub use rays::packet::{Packet, RAYS, WorldRays};
 #[doc(hidden)]
 pub use rays::trees::{TreePerRay, Trees};
 #[doc(hidden)]

@@ -10,12 +10,13 @@
 //! Each operation of the slab test is monotone in its arguments, rounding included. So a box that
 //! the intervals of step 1 miss is missed by every ray, to the bit of its own test.
 
-use super::bvh::{Bvh, Walk, WalkStack, narrowed, push_nearest_last};
+use super::bvh::{BOX_ROUNDING, Bvh, FARTHEST, WalkStack, push_nearest_last};
 use super::node::{LEAF, Node};
-use super::rays::packet::RAYS;
+use super::rays::packet::{RAYS, WorldRays, largest_of, of, of_mut, vector};
+use super::rays::prepare::lowest;
+use super::rays::slabs::SMALLEST;
 use super::traverse::mesh_packet::FEWEST;
-use crate::geometry::Ray;
-use crate::simd::{Aligned, Kernel, LANES, Lanes};
+use crate::simd::{Aligned, Kernel, LANES, Lanes, WIDE};
 
 /// Rays whose directions differ by more along an axis, or whose starts do in units of the tree, do
 /// not go together.
@@ -50,59 +51,134 @@ pub struct PacketWalk<'a> {
 }
 
 impl Bvh {
-    /// The boxes that some rays may meet; `None` where the rays do not go nearly the same way.
+    /// The boxes that some rays may meet, each of which has a direction; `None` where the rays do
+    /// not go nearly the same way, or come from very far away.
     #[doc(hidden)]
-    pub fn packet_walk<'r>(
+    #[inline(always)]
+    pub fn packet_walk<L: Lanes>(
         &self,
-        rays: impl Iterator<Item = &'r Ray>,
+        l: L,
+        (rays, count): (&WorldRays, usize),
         stack: &mut WalkStack,
     ) -> Option<PacketWalk<'_>> {
-        let mut packet = PacketWalk {
-            bvh: self,
+        stack.clear();
+        let walk = l.call(Begin { bvh: self, rays, count })?;
+        if walk.alive != 0 {
+            stack.push((ROOT, f64::NEG_INFINITY));
+        }
+        Some(walk)
+    }
+}
+
+/// Begins with sixteen rays, as [`Bvh::walk`] with one. It is compiled once for all queries.
+struct Begin<'r, 'a> {
+    bvh: &'a Bvh,
+    rays: &'r WorldRays,
+    count: usize,
+}
+
+impl<'a> Kernel for Begin<'_, 'a> {
+    type Output = Option<PacketWalk<'a>>;
+
+    #[inline(always)]
+    fn run<L: Lanes>(self, l: L) -> Self::Output {
+        let mut walk = PacketWalk {
+            bvh: self.bvh,
             inverse: [[0.0; RAYS]; 3],
             ends: [[[0.0; RAYS]; 2]; 3],
-            first: [f32::INFINITY; RAYS],
+            first: [0.0; RAYS],
             depth_of_origin: [0.0; RAYS],
             depth_per_t: [0.0; RAYS],
             alive: 0,
-            inverses: [[f32::INFINITY, f32::NEG_INFINITY]; 3],
-            outermost: [[f32::INFINITY, f32::NEG_INFINITY]; 3],
-            earliest: f32::INFINITY,
+            inverses: [[0.0; 2]; 3],
+            outermost: [[0.0; 2]; 3],
+            earliest: 0.0,
         };
-        for (lane, ray) in rays.enumerate() {
-            let walk = self.walk(ray, stack);
-            if !stack.is_empty() {
-                packet.add(lane % RAYS, &walk);
-            }
-        }
-        stack.clear();
-        if packet.alive == 0 {
-            return Some(packet);
-        }
-        stack.push((ROOT, f64::NEG_INFINITY));
-        packet.is_narrow().then_some(packet)
+        let passes = [walk.begin_half(l, self.rays, 0)?, walk.begin_half(l, self.rays, 1)?];
+        walk.alive = u16::from_le_bytes(passes) & lowest(self.count);
+        walk.find_ends(l);
+        (walk.alive == 0 || walk.is_narrow()).then_some(walk)
     }
 }
 
 impl PacketWalk<'_> {
-    /// Takes in a ray that passes the tree.
-    fn add(&mut self, lane: usize, walk: &Walk<'_>) {
-        let slabs = &walk.slabs;
+    /// Begins with eight rays, as [`Bvh::walk`] does with one; returns those that pass the tree, or
+    /// `None` where one comes from too far away.
+    #[inline(always)]
+    fn begin_half<L: Lanes>(&mut self, l: L, rays: &WorldRays, half: usize) -> Option<u8> {
+        let number = |x: f64| l.splat64(x);
+        let (zero, space) = (number(0.0), &self.bvh.space);
+        let (origin, mut d) = (vector(l, &rays.origin, half), vector(l, &rays.direction, half));
+        let length = largest_of(l, &d);
+        let (mut moved, mut start) = ([zero; 3], [zero; 3]);
+        let (mut dot, mut squares) = (zero, zero);
         for axis in 0..3 {
-            let (inverse, [first, last]) = (slabs.inverse[axis], slabs.ends[axis]);
-            self.inverse[axis][lane] = inverse;
-            self.ends[axis][0][lane] = first;
-            self.ends[axis][1][lane] = last;
-            let [low, high] = self.inverses[axis];
-            self.inverses[axis] = [low.min(inverse), high.max(inverse)];
-            let [low, high] = self.outermost[axis];
-            self.outermost[axis] = [low.min(first), high.max(last)];
+            moved[axis] = l.sub64(origin[axis], number(space.origin[axis]));
+            start[axis] = l.mul64(moved[axis], number(space.scale));
+            d[axis] = l.div64(d[axis], length);
+            dot = l.add64(dot, l.mul64(start[axis], d[axis]));
+            squares = l.add64(squares, l.mul64(d[axis], d[axis]));
         }
-        self.first[lane] = walk.first;
-        self.earliest = self.earliest.min(walk.first);
-        self.depth_of_origin[lane] = walk.depth_of_origin;
-        self.depth_per_t[lane] = walk.depth_per_t;
-        self.alive |= 1 << lane;
+        let depth_of_origin = l.div64(dot, squares);
+        let reach = l.add64(largest_of(l, &moved), number(self.bvh.extent));
+        let margin = l.mul64(reach, number(self.bvh.slack * space.scale));
+        if l.lt64(number(FARTHEST), margin) != 0 {
+            return None;
+        }
+        let (mut nearest, mut squares) = ([zero; 3], zero);
+        for axis in 0..3 {
+            nearest[axis] = l.sub64(start[axis], l.mul64(depth_of_origin, d[axis]));
+            squares = l.add64(squares, l.mul64(nearest[axis], nearest[axis]));
+        }
+        let reach = l.add64(number(self.bvh.extent * space.scale), margin);
+        let reach = l.mul64(number(1.75), reach);
+        let rounding = l.mul64(number(BOX_ROUNDING), largest_of(l, &nearest));
+        let margin = l.add64(margin, rounding);
+        for axis in 0..3 {
+            let back = l.lt64(d[axis], zero);
+            let wider = l.select64(back, l.sub64(zero, margin), margin);
+            let smallest = number(f64::from(SMALLEST));
+            let huge = l.div64(number(1.0), l.select64(back, l.sub64(zero, smallest), smallest));
+            let is_small = l.lt64(l.abs64(d[axis]), smallest);
+            let over = l.select64(is_small, huge, l.div64(number(1.0), d[axis]));
+            let minus = l.sub64(zero, over);
+            l.store_narrowed(over, of_mut(&mut self.inverse[axis], half));
+            let [first, last] = &mut self.ends[axis];
+            l.store_narrowed(l.mul64(l.add64(nearest[axis], wider), minus), of_mut(first, half));
+            l.store_narrowed(l.mul64(l.sub64(nearest[axis], wider), minus), of_mut(last, half));
+        }
+        let depth_per_t = l.mul64(length, number(space.scale));
+        let depth_per_t = l.max64(depth_per_t, number(f64::MIN_POSITIVE));
+        let t_min = l.load64(of(&rays.t_min, half));
+        let before = l.select64(l.lt64(t_min, zero), t_min, zero);
+        let first = l.add64(l.mul64(before, depth_per_t), depth_of_origin);
+        l.store_narrowed(l.sub64(first, narrowing(l, first)), of_mut(&mut self.first, half));
+        l.store64(depth_per_t, of_mut(&mut self.depth_per_t, half));
+        l.store64(depth_of_origin, of_mut(&mut self.depth_of_origin, half));
+        let is_empty = self.bvh.nodes.is_empty();
+        Some(if is_empty { 0 } else { l.le64(squares, l.mul64(reach, reach)) })
+    }
+
+    /// Finds the ends of the intervals around the rays.
+    #[inline(always)]
+    fn find_ends<L: Lanes>(&mut self, l: L) {
+        let rays = self.alive;
+        macro_rules! least {
+            ($of:expr) => {
+                l.smallest(l.select(rays, l.load($of), l.splat(f32::INFINITY)))
+            };
+        }
+        macro_rules! most {
+            ($of:expr) => {
+                l.largest(l.select(rays, l.load($of), l.splat(f32::NEG_INFINITY)))
+            };
+        }
+        for axis in 0..3 {
+            let (inverse, [first, last]) = (&self.inverse[axis], &self.ends[axis]);
+            self.inverses[axis] = [least!(inverse), most!(inverse)];
+            self.outermost[axis] = [least!(first), most!(last)];
+        }
+        self.earliest = least!(&self.first);
     }
 
     /// Whether the intervals around the rays are of use. Along an axis a ray goes `1 / inverse` for
@@ -183,15 +259,19 @@ impl Kernel for Next<'_, '_> {
     #[inline(always)]
     fn run<L: Lanes>(self, l: L) -> Self::Output {
         let Self { walk, limits, stack } = self;
-        let mut last = Aligned([f32::NEG_INFINITY; RAYS]);
-        let mut latest = f32::NEG_INFINITY;
-        for (lane, &limit) in limits.iter().enumerate() {
-            if limit >= 0.0 && walk.alive >> lane & 1 == 1 {
-                let depth = limit * walk.depth_per_t[lane] + walk.depth_of_origin[lane];
-                last.0[lane] = narrowed(depth).next_up();
-                latest = latest.max(last.0[lane]);
-            }
+        let mut last = Aligned([0.0; RAYS]);
+        let mut open = [0; RAYS / WIDE];
+        for (half, open) in open.iter_mut().enumerate() {
+            let limit = l.load64(of(limits, half));
+            let depth = l.mul64(limit, l.load64(of(&walk.depth_per_t, half)));
+            let depth = l.add64(depth, l.load64(of(&walk.depth_of_origin, half)));
+            l.store_narrowed(l.add64(depth, narrowing(l, depth)), of_mut(&mut last.0, half));
+            *open = l.le64(l.splat64(0.0), limit);
         }
+        let open = u16::from_le_bytes(open) & walk.alive;
+        let depths = l.select(open, l.load(&last.0), l.splat(f32::NEG_INFINITY));
+        l.store(depths, &mut last.0);
+        let latest = l.largest(depths);
         loop {
             let (place, entry) = stack.pop()?;
             // Hits since it was put there may have made it too far.
@@ -217,4 +297,11 @@ impl Kernel for Next<'_, '_> {
             push_nearest_last(stack, met, &depths, |k| place_of(child, k));
         }
     }
+}
+
+/// More than a number changes when it is narrowed to float32.
+#[inline(always)]
+fn narrowing<L: Lanes>(l: L, x: L::Doubles) -> L::Doubles {
+    let share = l.mul64(l.abs64(x), l.splat64(f64::from(f32::EPSILON)));
+    l.add64(share, l.splat64(f64::from(f32::MIN_POSITIVE)))
 }

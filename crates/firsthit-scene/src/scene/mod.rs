@@ -73,13 +73,14 @@ pub use top_tree::{CandidateList, NearbyObjects, ObjectCandidates, PacketCandida
 use build::object_trees;
 use top_tree::TopTree;
 
-use crate::accel::{InstructionSet, MeshTree, WalkStack};
+use crate::accel::{InstructionSet, MeshTree, WalkStack, WorldRays};
 use crate::error::{Error, Result};
 use crate::geometry::summary::{Few, summary};
-use crate::geometry::{Beam, Bounds, DVec3, Hit, Ray};
+use crate::geometry::{Beam, Bounds, DVec3, Hit};
 use crate::memory;
 use crate::parallel;
 use crate::shape::Meshes;
+use crate::simd::Lanes;
 use crate::watch::Watch;
 
 /// Objects in a world, ready to be shot at from any number of threads.
@@ -467,12 +468,14 @@ impl Scene {
     /// The objects that the rays of a packet may meet; `None` where it is better to ask
     /// [for each](Self::candidates).
     #[doc(hidden)]
-    pub fn packet_candidates<'r>(
+    #[inline(always)]
+    pub fn packet_candidates<L: Lanes>(
         &self,
-        rays: impl Iterator<Item = &'r Ray>,
+        l: L,
+        rays: (&WorldRays, usize),
         stack: &mut WalkStack,
     ) -> Option<PacketCandidates<'_>> {
-        self.top.packet_candidates(rays, stack)
+        self.top.packet_candidates(l, rays, stack)
     }
 
     /// The objects that any of some rays may meet; `None` where it is better to ask

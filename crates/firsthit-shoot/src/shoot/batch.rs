@@ -269,7 +269,7 @@ impl<S: Sink> Batch<'_, S> {
             }
             // With a list there is no tree to walk.
             let stack = memory.walk_stacks.get_mut(first).filter(|_| listed.is_none());
-            match stack.and_then(|stack| ScenePacket::new(scene, &mut walks, first, stack)) {
+            match stack.and_then(|stack| ScenePacket::new(l, scene, &mut walks, first, stack)) {
                 Some(packet) => together.push(packet),
                 None => left.extend(first..walks.len()),
             }

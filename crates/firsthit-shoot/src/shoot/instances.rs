@@ -33,13 +33,8 @@ pub(super) fn through_objects<'a, L: Lanes, Q: RayQuery>(
     loop {
         entered.clear();
         instances.clear();
-        together.retain_mut(|rays| {
-            let packet = &mut memory.packets[entered.len()];
-            // No ray of a packet that walks alone has objects of its own, so it needs no stack.
-            let stack = &mut memory.walk_stacks[rays.first()];
-            let found = (&mut entered, &mut left);
-            rays.step(l, scene, walks, (packet, stack), found)
-        });
+        let found = (&mut entered, &mut left);
+        ScenePacket::step_all(l, scene, walks, (memory, &mut together), found);
         for &index in &left {
             walks[index].look_ahead(l, scene, &mut memory.walk_stacks[index]);
         }
@@ -98,7 +93,7 @@ fn through_instances<'a, L: Lanes, Q: RayQuery>(
     }
     let mut packets = Vec::with_capacity(ready + packing.packets.len());
     for (packet, at) in memory.packets.iter().zip(entered) {
-        packets.push(MeshPacket::new(at.tree, at.mesh, packet));
+        packets.push(MeshPacket::new(at.tree, at.mesh, packet).scattered(at.is_scattered));
     }
     let others = memory.packets[ready..].iter().zip(&packing.packets);
     for (number, (packet, &(first, _))) in others.enumerate() {

@@ -51,10 +51,41 @@ pub struct Packet {
     pub(in crate::accel) filters: Filters,
     /// The rays that leave a triangle.
     pub(in crate::accel) departing: u16,
+    /// The node or leaf at which each ray begins: the root, or the only child of that which it meets;
+    /// see [`Packet::keep_at_root`].
+    pub(in crate::accel) begin: [u32; RAYS],
     /// The rays that may meet something.
     pub alive: u16,
     /// The rays that start too far away for float64; see `traverse/distant.rs`.
     pub distant: u16,
+}
+
+/// Rays in the space of the world, to be [put](Packet::put_all) into packets again and again.
+#[derive(Debug, Clone)]
+#[repr(C, align(64))]
+#[doc(hidden)]
+pub struct WorldRays {
+    pub(in crate::accel) origin: [[f64; RAYS]; 3],
+    pub(in crate::accel) direction: [[f64; RAYS]; 3],
+    pub(in crate::accel) t_min: [f64; RAYS],
+    t_max: [f64; RAYS],
+}
+
+impl WorldRays {
+    /// The first of some rays.
+    pub fn new<'r>(rays: impl Iterator<Item = &'r Ray>) -> Self {
+        let zero = [0.0; RAYS];
+        let mut all = Self { origin: [zero; 3], direction: [zero; 3], t_min: zero, t_max: zero };
+        for (lane, ray) in rays.take(RAYS).enumerate() {
+            for axis in 0..3 {
+                all.origin[axis][lane] = ray.origin[axis];
+                all.direction[axis][lane] = ray.direction[axis];
+            }
+            all.t_min[lane] = ray.t_min;
+            all.t_max[lane] = ray.t_max;
+        }
+        all
+    }
 }
 
 /// A filter for each ray of a packet; only queries for filtered rays look at them.
@@ -98,6 +129,18 @@ impl Packet {
         }
         self.t_min[lane] = ray.t_min;
         self.t_max[lane] = ray.t_max;
+    }
+
+    /// Puts rays into all lanes, each up to its limit.
+    #[inline(always)]
+    pub fn put_all(&mut self, rays: &WorldRays, limits: &[f64; RAYS]) {
+        self.origin = rays.origin;
+        self.direction = rays.direction;
+        self.t_min = rays.t_min;
+        let ends = limits.iter().zip(&rays.t_max);
+        for (t_max, (limit, end)) in self.t_max.iter_mut().zip(ends) {
+            *t_max = limit.min(*end);
+        }
     }
 
     /// Moves the start of the ray in a lane.
@@ -156,24 +199,28 @@ static AXES: [[usize; 3]; 4] = [[1, 2, 0], [2, 0, 1], [0, 1, 2], [0, 1, 2]];
 
 /// A half of sixteen.
 #[inline(always)]
-pub(super) fn of<T>(all: &[T; RAYS], half: usize) -> &[T; WIDE] {
+pub(in crate::accel) fn of<T>(all: &[T; RAYS], half: usize) -> &[T; WIDE] {
     &all.as_chunks().0[half % 2]
 }
 
 /// The half of an array, to be written.
 #[inline(always)]
-pub(super) fn of_mut<T>(all: &mut [T; RAYS], half: usize) -> &mut [T; WIDE] {
+pub(in crate::accel) fn of_mut<T>(all: &mut [T; RAYS], half: usize) -> &mut [T; WIDE] {
     &mut all.as_chunks_mut().0[half % 2]
 }
 
 /// The vectors of a half.
 #[inline(always)]
-pub(super) fn vector<L: Lanes>(l: L, from: &[[f64; RAYS]; 3], half: usize) -> [L::Doubles; 3] {
+pub(in crate::accel) fn vector<L: Lanes>(
+    l: L,
+    from: &[[f64; RAYS]; 3],
+    half: usize,
+) -> [L::Doubles; 3] {
     [l.load64(of(&from[0], half)), l.load64(of(&from[1], half)), l.load64(of(&from[2], half))]
 }
 
 /// The largest size of a component.
 #[inline(always)]
-pub(super) fn largest_of<L: Lanes>(l: L, v: &[L::Doubles; 3]) -> L::Doubles {
+pub(in crate::accel) fn largest_of<L: Lanes>(l: L, v: &[L::Doubles; 3]) -> L::Doubles {
     l.max64(l.max64(l.abs64(v[0]), l.abs64(v[1])), l.abs64(v[2]))
 }

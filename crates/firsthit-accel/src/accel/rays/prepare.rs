@@ -126,6 +126,7 @@ impl Packet {
         off: f64,
     ) {
         self.departing = 0;
+        self.begin = [0; RAYS];
         let mut margins = Aligned([0.0; RAYS]);
         let (first, first_distant) = self.prepare_half(l, trees, (0, off), &mut margins.0);
         // One ray alone is common.
@@ -243,7 +244,7 @@ impl Packet {
 
 /// A mask of the lowest `count` lanes.
 #[inline(always)]
-fn lowest(count: usize) -> u16 {
+pub(in crate::accel) fn lowest(count: usize) -> u16 {
     u16::try_from((1_u32 << count.min(RAYS)) - 1).unwrap_or(u16::MAX)
 }
 

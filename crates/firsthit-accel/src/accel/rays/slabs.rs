@@ -16,7 +16,7 @@ pub(in crate::accel) struct Slabs {
 
 /// A component of a direction that is smaller moves a ray by less than every margin. One over it is
 /// taken to be a huge number of its sign, which still tells inside from outside.
-pub(super) const SMALLEST: f32 = 1e-30;
+pub(in crate::accel) const SMALLEST: f32 = 1e-30;
 
 impl Slabs {
     /// The slabs of a ray whose direction has a largest component of one, for boxes that seem wider

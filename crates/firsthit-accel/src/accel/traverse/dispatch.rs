@@ -5,7 +5,8 @@
 //!    likewise.
 //! 3. Put all rays that are left, of all packets, through [`interleaved`].
 //!
-//! Where packet after packet gives up, some of the next are not tried.
+//! Where packet after packet gives up, some of the next are not tried. Packets whose rays are
+//! [scattered](crate::accel::Packet::is_scattered) go to step 3 at once.
 
 use super::coherent::coherent;
 use super::deferred::Deferred;

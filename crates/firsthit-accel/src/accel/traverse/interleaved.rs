@@ -108,7 +108,9 @@ pub(super) fn interleaved<'a, L: Lanes, Q: MeshQuery>(
             free &= free - 1;
             slots[k] = Slot::new(packets[packet], packet, lane);
             limits.0[k] = slots[k].last_key();
-            nodes |= 1 << k;
+            let is_leaf = u16::from(slots[k].next & LEAF != 0);
+            nodes |= (1 - is_leaf) << k;
+            leaves |= is_leaf << k;
         }
         let all = nodes | leaves;
         if all == 0 {
@@ -227,7 +229,8 @@ impl<'a, Q: MeshQuery> Slot<'a, Q> {
     #[inline(always)]
     fn new(packet: MeshPacket<'a>, number: usize, lane: usize) -> Self {
         let ray = packet.ray(lane);
-        Self { ray, packet: number, query: Q::new(ray.limits.t_max_high), next: 0, height: 0 }
+        let (query, next) = (Q::new(ray.limits.t_max_high), ray.packet.begin[lane % RAYS]);
+        Self { ray, packet: number, query, next, height: 0 }
     }
 
     /// Puts the children that the ray meets into the work list.

@@ -23,13 +23,22 @@ pub struct MeshPacket<'a> {
     pub(super) packet: &'a Packet,
     /// The trees and meshes of rays that are at different ones.
     each: Option<&'a TreePerRay<'a>>,
+    /// Whether each ray meets leaves of its own.
+    is_scattered: bool,
     /// The rays without an answer yet, a bit each.
     pub(super) open: u16,
 }
 
 impl<'a> MeshPacket<'a> {
     pub fn new(tree: &'a MeshTree, mesh: impl Into<Meshes<'a>>, packet: &'a Packet) -> Self {
-        Self { tree, mesh: mesh.into(), packet, each: None, open: packet.alive }
+        let (mesh, open) = (mesh.into(), packet.alive);
+        Self { tree, mesh, packet, each: None, is_scattered: false, open }
+    }
+
+    /// The packet, with what is known of its rays: whether each meets leaves of its own.
+    #[must_use]
+    pub fn scattered(self, is_scattered: bool) -> Self {
+        Self { is_scattered, ..self }
     }
 
     /// A packet of rays that are at different meshes.
@@ -38,10 +47,11 @@ impl<'a> MeshPacket<'a> {
         Self { each: Some(each), ..Self::new(tree, mesh, packet) }
     }
 
-    /// Whether enough of the rays are at one mesh for traversals of packets to pay.
+    /// Whether enough of the rays are at one mesh, and near one another, for traversals of packets
+    /// to pay.
     #[inline(always)]
     pub(super) fn goes_together(&self) -> bool {
-        self.each.is_none() && self.open.count_ones() >= FEWEST
+        self.each.is_none() && !self.is_scattered && self.open.count_ones() >= FEWEST
     }
 
     /// One of its rays.

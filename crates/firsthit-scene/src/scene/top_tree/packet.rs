@@ -1,20 +1,22 @@
 //! The objects that neighbouring rays may meet, for all of them at once.
 
 use super::{Candidate, TopTree};
-use crate::accel::{PacketWalk, RAYS, WalkStack};
-use crate::geometry::Ray;
+use crate::accel::{PacketWalk, RAYS, WalkStack, WorldRays};
 use crate::simd::Lanes;
 
 impl TopTree {
     /// The objects that neighbouring rays may meet; `None` where they do not go together, or where
     /// there is no tree.
-    pub(in crate::scene) fn packet_candidates<'r>(
+    #[inline(always)]
+    pub(in crate::scene) fn packet_candidates<L: Lanes>(
         &self,
-        rays: impl Iterator<Item = &'r Ray>,
+        l: L,
+        rays: (&WorldRays, usize),
         stack: &mut WalkStack,
     ) -> Option<PacketCandidates<'_>> {
         (self.outside.len() < self.boxes.len()).then_some(())?;
-        Some(PacketCandidates { outside: &self.outside, walk: self.tree.packet_walk(rays, stack)? })
+        let walk = self.tree.packet_walk(l, rays, stack)?;
+        Some(PacketCandidates { outside: &self.outside, walk })
     }
 }
 
