@@ -1,7 +1,7 @@
 //! Errors, grouped by who can put them right.
 
 use std::borrow::Cow;
-use std::fmt;
+use std::fmt::{self, Write};
 use std::path::{Path, PathBuf};
 
 /// The result of everything in firsthit that can fail.
@@ -196,7 +196,7 @@ pub fn escape_json(json: &str, is_escaped: impl Fn(char) -> bool) -> String {
     for c in json.chars() {
         if is_escaped(c) {
             for unit in c.encode_utf16(&mut [0; 2]) {
-                text += &format!("\\u{unit:04x}");
+                let _ = write!(text, "\\u{unit:04x}");
             }
         } else {
             text.push(c);

@@ -142,7 +142,6 @@ fn the_returns_are_those_of_the_scanner_bit_for_bit() {
 }
 
 #[test]
-#[expect(clippy::too_many_lines, reason = "a table")]
 fn options_of_returns_are_the_settings_of_a_scan() {
     let (lab, scene) = lab();
     let lidar =

@@ -70,7 +70,6 @@ pub(super) fn in_plane(section: &Section, point: DVec3) -> DVec3 {
 }
 
 /// Looks at the polylines of one object, those from number `first` on, all of which are closed.
-#[expect(clippy::too_many_lines, reason = "one step after the other")]
 pub(super) fn judge(
     section: &Section,
     first: usize,

@@ -88,7 +88,7 @@ pub(super) struct Memory {
     /// The filter of each filtered ray of a batch at the mesh that it is at.
     pub(super) in_meshes: Vec<MeshFilter>,
     pub(super) packets: Vec<Packet>,
-    pub(super) traversal_memory: TraversalMemory,
+    pub(super) traversals: TraversalMemory,
 }
 
 impl Memory {
@@ -99,7 +99,7 @@ impl Memory {
             walk_stacks: vec![WalkStack::new(); BATCH],
             in_meshes: Vec::new(),
             packets: Vec::new(),
-            traversal_memory: TraversalMemory::default(),
+            traversals: TraversalMemory::default(),
         };
         MEMORY.take().unwrap_or_else(new)
     }
@@ -182,8 +182,8 @@ impl<S: Sink> Batch<'_, S> {
         let object = &scene.objects()[index as usize];
         let count = self.sink.len();
         memory.hold_packets(count.div_ceil(RAYS));
-        let Memory { packets, traversal_memory, .. } = &mut *memory;
-        let (mut traversal, mut at_mesh) = (Traversal::new(traversal_memory), Vec::new());
+        let Memory { packets, traversals, .. } = &mut *memory;
+        let (mut traversal, mut at_mesh) = (Traversal::new(traversals), Vec::new());
         at_mesh.reserve_exact(count.div_ceil(RAYS));
         // The rays that packets do not serve.
         let mut alone = Vec::new();
@@ -334,11 +334,11 @@ fn set_filters(
 #[inline(always)]
 pub(super) fn dispatch<L: Lanes, Q: RayQuery>(
     l: L,
-    traversal_memory: &mut TraversalMemory,
+    traversals: &mut TraversalMemory,
     packets: &mut [MeshPacket<'_>],
     mut sink: impl accel::Sink<MeshAnswer<Q>>,
 ) {
-    let mut traversal = Traversal::new(traversal_memory);
+    let mut traversal = Traversal::new(traversals);
     for packet in packets.iter_mut().enumerate() {
         try_together::<L, Q>(l, &mut traversal, packet, &mut sink);
     }

@@ -106,7 +106,7 @@ fn through_instances<'a, L: Lanes, Q: RayQuery>(
         });
     }
     let sink = OfInstances { scene, entered, instances, packing: &packing, walks };
-    dispatch::<L, Q>(l, &mut memory.traversal_memory, &mut packets, sink);
+    dispatch::<L, Q>(l, &mut memory.traversals, &mut packets, sink);
 }
 
 #[inline(always)]

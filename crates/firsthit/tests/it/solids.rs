@@ -51,7 +51,6 @@ struct Solid {
 }
 
 /// What files have, and what goes wrong in them.
-#[expect(clippy::too_many_lines, reason = "a list")]
 fn solids() -> Vec<Solid> {
     let plate = |turns| part([0.0; 3], [10.0, 10.0, 1.0], turns);
     let cube = |turns| part([-1.0; 3], [1.0; 3], turns);

@@ -230,7 +230,6 @@ impl TileTask<'_> {
     /// The rays of half a block's pixels in an object's space: what `Rays::ray` and `ray_in_object`
     /// give, bit for bit.
     #[inline(always)]
-    #[expect(clippy::too_many_lines, reason = "a macro for vectors is a part of it")]
     fn rays_in_object<L: Lanes>(&self, l: L, seen: &SeenObject<'_>, half: usize) -> RayBundle<L> {
         let object = seen.object;
         let grid = &self.grid;

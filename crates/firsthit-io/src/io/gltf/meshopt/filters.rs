@@ -27,7 +27,7 @@ pub(super) fn apply(filter: &str, stride: usize, bytes: &mut [u8]) {
         ("QUATERNION", _) => each_short(bytes, |v| quaternion(v.map(signed_short))),
         ("COLOR", 4) => each_byte(bytes, |v| color(v.map(i32::from), v.map(signed), 255.0)),
         ("COLOR", _) => {
-            each_short(bytes, |v| color(v.map(i32::from), v.map(signed_short), 65535.0))
+            each_short(bytes, |v| color(v.map(i32::from), v.map(signed_short), 65535.0));
         }
         ("EXPONENTIAL", _) => {
             for word in bytes.as_chunks_mut::<4>().0 {

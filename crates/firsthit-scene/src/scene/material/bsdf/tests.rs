@@ -95,7 +95,6 @@ fn summed(bsdf: &Bsdf) -> Color {
 
 /// The first numbers of `../shared/light/public/06_gltf_brdf.json`, each twice the value.
 #[test]
-#[expect(clippy::too_many_lines, reason = "a table")]
 fn values_are_those_of_the_appendix_of_gltf() {
     let light = DVec3::new(0.423_999_152_002_544, 0.317_999_364_001_908, 0.847_998_304_005_088);
     let red = Color::new(0.8, 0.3, 0.1);
@@ -212,7 +211,6 @@ fn a_coat_is_not_turned_by_the_normal_of_its_base() {
 
 /// Every kind, smooth and rough, seen from ahead and up to a tenth of a degree from the side.
 #[test]
-#[expect(clippy::too_many_lines, reason = "a list of surfaces")]
 fn no_surface_gives_more_than_it_gets_seen_from_any_side() {
     let cloth = |roughness| Layers { sheen: (Color::ONE, roughness), ..plastic() };
     let coated = |roughness, coat| Layers { coat: (1.0, coat, DVec3::Z), roughness, ..plastic() };
