@@ -2,9 +2,8 @@
 //!
 //! 1. Find the point of the ray's line that is nearest to the tree's origin. Depths are counted
 //!    from there.
-//! 2. Test the sixteen boxes of a node. Put those that are met onto the stack, the nearest last.
-//! 3. Go on with the last entry of the stack. A leaf is one box: give out its index. The caller may
-//!    shorten the ray before it asks for the next.
+//! 2. Test the sixteen boxes of a node, and continue with those that are met: `walks.rs` for rays
+//!    that go alone, `packet_walk.rs` for neighbours.
 //!
 //! Ize, "Robust BVH Ray Traversal", Journal of Computer Graphics Techniques 2(2), 2013. It departs
 //! in that it widens the boxes by a share of the coordinates and not of the distances along the
@@ -30,10 +29,10 @@
 //! does. Too small: `no_box_that_a_ray_meets_is_missed`.
 
 use super::bounds::U;
-use super::node::{LEAF, Node};
+use super::node::Node;
 use super::rays::slabs::Slabs;
 use crate::geometry::{Bounds, DVec3, Ray, arrays};
-use crate::simd::{Kernel, LANES, Lanes, set_bits};
+use crate::simd::{LANES, set_bits};
 
 /// A bounding volume hierarchy: 16-wide nodes of float32 boxes around a local origin. A leaf is one
 /// box.
@@ -132,10 +131,8 @@ impl BoxSpace {
 #[doc(hidden)]
 pub type WalkStack = Vec<(u32, f64)>;
 
-/// A ray's way through a [`Bvh`].
-#[doc(hidden)]
-pub struct Walk<'a> {
-    bvh: &'a Bvh,
+/// The beginning of a ray's way through a [`Bvh`].
+pub(super) struct Walk {
     pub(super) slabs: Slabs,
     /// The depth at which the ray begins, or its origin if that comes first.
     pub(super) first: f32,
@@ -145,10 +142,8 @@ pub struct Walk<'a> {
 }
 
 impl Bvh {
-    /// The boxes that `ray` may meet, one after the other.
-    #[doc(hidden)]
-    pub fn walk(&self, ray: &Ray, stack: &mut WalkStack) -> Walk<'_> {
-        stack.clear();
+    /// The way of `ray`, and whether it may meet anything.
+    pub(super) fn walk(&self, ray: &Ray) -> (Walk, bool) {
         let start = self.space.point(ray.origin);
         let length = ray.direction.abs().max_element();
         let direction = ray.direction / length;
@@ -156,88 +151,31 @@ impl Bvh {
         let nearest = start + origin_to_nearest * direction;
         let margin = self.margin(ray.origin) * self.space.scale;
         if margin > FARTHEST {
-            return self.walk_everywhere(direction, stack);
+            return (everywhere(direction), !self.nodes.is_empty());
         }
         // All boxes are in a cube, and that in a ball of the square root of 3. The rest is for
         // rounding.
         let reach = self.extent * self.space.scale + margin;
-        if !self.nodes.is_empty() && nearest.length() <= 1.75 * reach {
-            stack.push((0, f64::NEG_INFINITY));
-        }
+        let passes = !self.nodes.is_empty() && nearest.length() <= 1.75 * reach;
         let rounding = BOX_ROUNDING * nearest.abs().max_element();
         let depth_per_t = (length * self.space.scale).max(f64::MIN_POSITIVE);
         let depth_of_origin = -origin_to_nearest;
         let first = ray.t_min.min(0.0) * depth_per_t + depth_of_origin;
-        Walk {
-            bvh: self,
-            slabs: Slabs::new(nearest, direction, margin + rounding),
-            first: narrowed(first).next_down(),
-            depth_of_origin,
-            depth_per_t,
-        }
-    }
-
-    /// All boxes, for a ray from so far away that float64 does not tell where it passes them.
-    #[cold]
-    fn walk_everywhere(&self, direction: DVec3, stack: &mut WalkStack) -> Walk<'_> {
-        if !self.nodes.is_empty() {
-            stack.push((0, f64::NEG_INFINITY));
-        }
-        Walk {
-            bvh: self,
-            // Beyond all boxes of float64, and finite after the division by the smallest component.
-            slabs: Slabs::new(DVec3::ZERO, direction, 2e8),
-            first: f32::NEG_INFINITY,
-            depth_of_origin: f64::INFINITY,
-            depth_per_t: 1.0,
-        }
+        let slabs = Slabs::new(nearest, direction, margin + rounding);
+        let first = narrowed(first).next_down();
+        (Walk { slabs, first, depth_of_origin, depth_per_t }, passes)
     }
 }
 
-impl Walk<'_> {
-    /// The next box that the ray may meet at a parameter of at most `t_max`, roughly the nearest
-    /// first. `t_max` is not larger than in the call before, and `stack` is the same.
-    #[inline(always)]
-    pub fn next<L: Lanes>(&self, l: L, t_max: f64, stack: &mut WalkStack) -> Option<u32> {
-        let walk = self;
-        l.call(Next { walk, t_max, stack })
-    }
-}
-
-/// A function of its own, one for all queries.
-struct Next<'r, 'a> {
-    walk: &'r Walk<'a>,
-    t_max: f64,
-    stack: &'r mut WalkStack,
-}
-
-impl Kernel for Next<'_, '_> {
-    type Output = Option<u32>;
-
-    #[inline(always)]
-    fn run<L: Lanes>(self, l: L) -> Option<u32> {
-        let Self { walk, t_max, stack } = self;
-        let last = narrowed(t_max * walk.depth_per_t + walk.depth_of_origin).next_up();
-        loop {
-            let (child, entry) = stack.pop()?;
-            // A hit since it was put there may have made it too far.
-            if entry > f64::from(last) {
-                continue;
-            }
-            if child & LEAF != 0 {
-                if let Some(next) =
-                    stack.last().and_then(|&(next, _)| walk.bvh.nodes.get(next as usize))
-                {
-                    l.prefetch(next);
-                }
-                return Some(child & !LEAF);
-            }
-            let node = &walk.bvh.nodes[child as usize];
-            let (met, entries) = walk.slabs.boxes(l, node, [walk.first, last]);
-            let mut depths = [0.0; LANES];
-            l.store(entries, &mut depths);
-            push_nearest_last(stack, met, &depths, |k| node.children[k]);
-        }
+/// Through all boxes, for a ray from so far away that float64 does not tell where it passes them.
+#[cold]
+fn everywhere(direction: DVec3) -> Walk {
+    Walk {
+        // Beyond all boxes of float64, and finite after the division by the smallest component.
+        slabs: Slabs::new(DVec3::ZERO, direction, 2e8),
+        first: f32::NEG_INFINITY,
+        depth_of_origin: f64::INFINITY,
+        depth_per_t: 1.0,
     }
 }
 

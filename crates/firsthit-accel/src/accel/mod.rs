@@ -35,11 +35,12 @@ mod space;
 mod stored;
 mod tile;
 mod traverse;
+mod walks;
 
 pub use crate::simd::InstructionSet;
 pub use bvh::Bvh;
 #[doc(hidden)]
-pub use bvh::{Walk, WalkStack};
+pub use bvh::WalkStack;
 #[doc(hidden)]
 pub use eight_crossings::{Corners, RayBundle, SharedTriangle, eight_crossings};
 pub use mesh_tree::MeshTree;
@@ -90,3 +91,5 @@ pub use traverse::nearest::each_near;
 pub use traverse::query::{MeshQuery, Sink};
 #[doc(hidden)]
 pub use traverse::single::{Scratch, query_mesh, query_mesh_filtered};
+#[doc(hidden)]
+pub use walks::Walks;

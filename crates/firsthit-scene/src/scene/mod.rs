@@ -458,6 +458,14 @@ impl Scene {
         self.top.only_object()
     }
 
+    /// Asks memory for what a ray needs of an object that it comes to.
+    #[inline(always)]
+    #[doc(hidden)]
+    pub fn prefetch<L: Lanes>(&self, l: L, object: u32) {
+        l.prefetch(&self.objects[object as usize]);
+        l.prefetch(&self.trees[object as usize]);
+    }
+
     /// The objects that a ray may meet.
     #[inline(always)]
     #[doc(hidden)]
@@ -483,6 +491,13 @@ impl Scene {
     #[doc(hidden)]
     pub fn list_candidates(&self, beam: &Beam) -> Option<CandidateList<'_>> {
         self.top.list_candidates(beam)
+    }
+
+    /// Whether objects are so few that rays together [list](Self::list_candidates) them.
+    #[inline(always)]
+    #[doc(hidden)]
+    pub fn lists_candidates(&self) -> bool {
+        self.top.lists_candidates()
     }
 
     /// A box around each object, from which the tree over them is made.

@@ -7,9 +7,8 @@ use std::collections::HashMap;
 use super::Object;
 use super::duplicates::Duplicates;
 use super::joined::ObjectTree;
-use crate::accel::{Bvh, Nearby, Walk, WalkStack};
+use crate::accel::{Bvh, Nearby, WalkStack};
 use crate::geometry::{Beam, Bounds, DVec3, Ray};
-use crate::simd::Lanes;
 pub use packet::PacketCandidates;
 
 /// The most objects without a tree: the box of each is tested.
@@ -248,7 +247,6 @@ impl TopTree {
             listed: &[],
             left: 0,
             tree: (self.outside.len() < self.boxes.len()).then_some(&self.tree),
-            walk: None,
         }
     }
 }
@@ -280,9 +278,15 @@ impl NearbyObjects<'_> {
 }
 
 impl TopTree {
+    /// Whether there is a list of candidates.
+    #[inline(always)]
+    pub(super) fn lists_candidates(&self) -> bool {
+        !self.listed.is_empty()
+    }
+
     /// The objects that any of some rays may meet; `None` where the tree serves better.
     pub(super) fn list_candidates(&self, beam: &Beam) -> Option<CandidateList<'_>> {
-        if self.listed.is_empty() || !beam.is_forward() {
+        if !self.lists_candidates() || !beam.is_forward() {
             return None;
         }
         let mut met = 0_u64;
@@ -360,38 +364,25 @@ pub struct ObjectCandidates<'a> {
     left: u64,
     /// The tree over all other objects.
     tree: Option<&'a Bvh>,
-    /// Begun when the tree's turn comes.
-    walk: Option<Walk<'a>>,
 }
 
 impl<'a> ObjectCandidates<'a> {
     /// No objects.
-    pub const NONE: Self = Self { outside: &[], listed: &[], left: 0, tree: None, walk: None };
+    pub const NONE: Self = Self { outside: &[], listed: &[], left: 0, tree: None };
 
     /// The candidates of a [list](TopTree::list_candidates), with the lone shapes or without.
     #[inline(always)]
     pub fn among(listed: CandidateList<'a>, with_shapes: bool) -> Self {
         let shapes = if with_shapes { listed.shapes } else { 0 };
-        Self {
-            outside: &[],
-            listed: listed.all,
-            left: listed.others | shapes,
-            tree: None,
-            walk: None,
-        }
+        Self { outside: &[], listed: listed.all, left: listed.others | shapes, tree: None }
     }
 }
 
-impl ObjectCandidates<'_> {
-    /// The next object that `ray` may meet at a parameter of at most `t_max`. From call to call
-    /// `t_max` must not grow, and `ray` and `stack` must be the same.
+impl<'a> ObjectCandidates<'a> {
+    /// The next object outside of the tree that `ray` may meet at a parameter of at most `t_max`.
+    /// From call to call `t_max` must not grow, and `ray` must be the same.
     #[inline(always)]
-    pub fn next<L: Lanes>(
-        &mut self,
-        l: L,
-        (ray, t_max): (&Ray, f64),
-        stack: &mut WalkStack,
-    ) -> Option<u32> {
+    pub fn next_outside(&mut self, ray: &Ray, t_max: f64) -> Option<u32> {
         while let Some(first) = self.listed.get(self.left.trailing_zeros() as usize) {
             self.left &= self.left.wrapping_sub(1);
             if first.may_be_met(ray, t_max) {
@@ -404,9 +395,13 @@ impl ObjectCandidates<'_> {
                 return Some(first.object);
             }
         }
-        let tree = self.tree?;
-        let walk = self.walk.get_or_insert_with(|| tree.walk(ray, stack));
-        walk.next(l, t_max, stack)
+        None
+    }
+
+    /// The tree over the objects that are not outside, if there is one.
+    #[inline(always)]
+    pub fn tree(&self) -> Option<&'a Bvh> {
+        self.tree
     }
 }
 

@@ -5,7 +5,7 @@ use std::marker::PhantomData;
 use std::ops::Range;
 
 use super::filter::{self, Place};
-use super::instances::through_objects;
+use super::instances::Instances;
 use super::neighbours::Neighbours;
 use super::ray_query::{RayQuery, Sink};
 use super::ray_state::RayState;
@@ -15,7 +15,7 @@ use super::single::SingleRay;
 use super::start::met_at_start;
 use crate::accel::{
     self, InstructionSet, MeshPacket, MeshQuery, MeshTree, Packet, RAYS, Scratch, Traversal,
-    TraversalMemory, WalkStack,
+    TraversalMemory, WalkStack, Walks,
 };
 use crate::error::Result;
 use crate::geometry::{DVec3, Ray, Rays, SurfaceId};
@@ -75,6 +75,10 @@ pub(super) fn each_chunk<S: Sink>(
     parallel::try_each(chunks.into_iter().enumerate(), fill)
 }
 
+/// Rays that go alone among many objects are as many at a time: enough for each to wait while
+/// others go on, few enough for the nearest caches.
+const IN_FLIGHT: usize = 128;
+
 thread_local! {
     /// Made once for each thread.
     static MEMORY: Cell<Option<Memory>> = const { Cell::new(None) };
@@ -83,7 +87,9 @@ thread_local! {
 /// Memory for traversals, to be used again.
 pub(super) struct Memory {
     pub(super) scratch: Scratch,
-    /// One for each ray of a batch.
+    /// The ways of rays that go alone through the tree over the objects.
+    pub(super) walks: Walks,
+    /// One for each packet that goes there, by the number of its first ray's walk.
     pub(super) walk_stacks: Vec<WalkStack>,
     /// The filter of each filtered ray of a batch at the mesh that it is at.
     pub(super) in_meshes: Vec<MeshFilter>,
@@ -96,6 +102,7 @@ impl Memory {
     pub(super) fn take() -> Self {
         let new = || Self {
             scratch: Scratch::default(),
+            walks: Walks::default(),
             walk_stacks: vec![WalkStack::new(); BATCH],
             in_meshes: Vec::new(),
             packets: Vec::new(),
@@ -240,6 +247,7 @@ impl<S: Sink> Batch<'_, S> {
         let mut numbers = Vec::new();
         // Neighbours that go together, and the rays that go alone and may meet more.
         let (mut together, mut left) = (Vec::new(), Vec::new());
+        let mut instances = Instances::default();
         let mut rays = [Ray::new(DVec3::ZERO, DVec3::ZERO); RAYS];
         for start in (0..count).step_by(RAYS) {
             let first = walks.len();
@@ -273,8 +281,14 @@ impl<S: Sink> Batch<'_, S> {
                 Some(packet) => together.push(packet),
                 None => left.extend(first..walks.len()),
             }
+            let is_last = start + RAYS >= count;
+            if is_last || (listed.is_none() && left.len() >= IN_FLIGHT) {
+                let mut none = Vec::new();
+                let (packets, most) =
+                    if is_last { (&mut together, 0) } else { (&mut none, IN_FLIGHT - RAYS) };
+                instances.pass(l, memory, scene, (packets, &mut left), &mut walks, most);
+            }
         }
-        through_objects(l, memory, scene, (together, left), &mut walks);
         for (number, walk) in numbers.into_iter().zip(&walks) {
             self.sink.put(number, &walk.state.query);
         }

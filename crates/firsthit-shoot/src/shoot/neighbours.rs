@@ -38,14 +38,7 @@ impl<'r, Q: RayQuery> Neighbours<'r, Q> {
     /// Rays that were read from `source`, from a number on.
     #[inline(always)]
     pub(super) fn new(rays: &'r [Ray], source: (&'r dyn Rays, usize)) -> Self {
-        let (mut valid, mut plain) = (0, 0);
-        for (index, ray) in rays.iter().enumerate() {
-            let is_valid = ray.is_valid();
-            let is_plain = is_valid && moderation(ray.direction) == 1.0;
-            valid |= u16::from(is_valid) << index;
-            plain |= u16::from(is_plain) << index;
-        }
-        Self { rays, source, states: [const { None }; RAYS], valid, plain }
+        Self { rays, source, states: [const { None }; RAYS], valid: 0, plain: 0 }
     }
 
     #[inline(always)]
@@ -82,9 +75,16 @@ impl<'r, Q: RayQuery> Neighbours<'r, Q> {
         l: L,
         scene: &'a Scene,
     ) -> Option<CandidateList<'a>> {
+        if !scene.lists_candidates() {
+            return None;
+        }
         let mut beam = Beam::EMPTY;
         for (index, ray) in self.rays.iter().enumerate() {
-            if self.is_plain(index) {
+            let is_valid = ray.is_valid();
+            let is_plain = is_valid && moderation(ray.direction) == 1.0;
+            self.valid |= u16::from(is_valid) << index;
+            self.plain |= u16::from(is_plain) << index;
+            if is_plain {
                 beam.add(ray);
             } else if let Some(scaled) = ScaledRay::new(ray) {
                 beam.add(&scaled.ray);

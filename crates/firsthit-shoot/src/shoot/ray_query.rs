@@ -79,9 +79,10 @@ impl RayQuery for FirstHit {
         crossing: Option<Crossing>,
     ) -> f64 {
         let hit = |crossing: Crossing| scaled.hit(surface(crossing.primitive), crossing);
-        if let Some(hit) = crossing.and_then(hit)
-            && scaled.precedes(scene, &hit, &self.0)
-        {
+        let Some(hit) = crossing.and_then(hit) else {
+            return f64::INFINITY;
+        };
+        if scaled.precedes(scene, &hit, &self.0) {
             self.0 = hit;
         }
         self.t_max(scaled)

@@ -1,16 +1,17 @@
 //! A ray on its way through a scene, from object to object: the top-level traversal.
 //!
-//! 1. Take the next object whose box the ray may meet, from the tree over the objects.
+//! 1. Take the next object whose box the ray may meet. Through the tree over the objects the caller
+//!    takes it, one ray or many ([`Walks`]).
 //! 2. Intersect a shape that is no mesh at once.
 //! 3. A mesh has a tree: return it with the ray in its space. The caller traverses it, for one ray
-//!    or for many, and hands the result to [`SceneWalk::take`].
+//!    or for many, and hands the result to [`RayState::take`].
 
 use super::filter::{self, Place};
 use super::ray_query::{FirstHit, RayQuery};
 use super::ray_state::RayState;
 use super::scaled_ray::ScaledRay;
 use super::start::met_at_start;
-use crate::accel::{END, EachCandidate, MeshQuery, MeshTree, Scratch, WalkStack};
+use crate::accel::{Bvh, END, EachCandidate, MeshQuery, MeshTree, Scratch, Walks};
 use crate::geometry::{Hit, Ray};
 use crate::scene::{ObjectCandidates, Scene};
 use crate::shape::triangle::{MeshFilter, Shear};
@@ -30,22 +31,32 @@ pub(super) struct Instance<'a> {
 pub(super) struct SceneWalk<'a, Q> {
     pub(super) state: RayState<Q>,
     objects: ObjectCandidates<'a>,
+    /// Its place in [`Walks`], once it has come to the tree over the objects.
+    place: Option<u32>,
     /// The objects in the last one's place that are still to come.
     duplicates: &'a [u32],
     /// The next object, where it is [known](Self::look_ahead).
     ahead: Option<u32>,
+    /// Whether its packet searches for objects.
+    is_joined: bool,
 }
 
 impl<'a, Q: RayQuery> SceneWalk<'a, Q> {
     /// Begins, with some objects to come.
     #[inline(always)]
     pub(super) fn new(state: RayState<Q>, objects: ObjectCandidates<'a>) -> Self {
-        Self { state, objects, duplicates: &[], ahead: None }
+        Self { state, objects, place: None, duplicates: &[], ahead: None, is_joined: false }
     }
 
     /// Leaves the search for objects to the ray's packet.
     pub(super) fn join(&mut self) {
         self.objects = ObjectCandidates::NONE;
+        self.is_joined = true;
+    }
+
+    /// Whether it searches for objects itself.
+    pub(super) fn is_alone(&self) -> bool {
+        !self.is_joined
     }
 
     /// Makes an object the next.
@@ -53,108 +64,128 @@ impl<'a, Q: RayQuery> SceneWalk<'a, Q> {
         self.ahead = Some(object);
     }
 
-    /// Finds the next object, and asks memory for it. [`next`](Self::next) comes to it after other
-    /// rays have done as much.
+    /// Finds the next object, or sends the ray through the tree to it: that tree is to be
+    /// [advanced](Walks::advance) then.
     #[inline(always)]
-    pub(super) fn look_ahead<L: Lanes>(&mut self, l: L, scene: &'a Scene, stack: &mut WalkStack) {
-        self.ahead = self.next_object(l, scene, stack);
-        if let Some(index) = self.ahead {
-            l.prefetch(&scene.objects()[index as usize]);
-            if let Some((_, tree)) = scene.at_mesh(index) {
-                l.prefetch(tree);
-            }
-        }
-    }
-
-    /// The next mesh, among the objects that are wanted; `None` at the end. Scene and stack are the
-    /// same each time. What a filtered ray does not meet of the mesh goes to `in_mesh`.
-    #[inline(always)]
-    pub(super) fn next<L: Lanes>(
-        &mut self,
-        l: L,
-        (scratch, in_mesh): (&mut Scratch, &mut MeshFilter),
-        (scene, stack): (&'a Scene, &mut WalkStack),
-        is_wanted: impl Fn(u32) -> bool,
-    ) -> Option<Instance<'a>> {
-        while self.state.is_open() {
-            let index = self.next_object(l, scene, stack)?;
-            if !is_wanted(index) {
-                continue;
-            }
-            let state = &mut self.state;
-            let scaled = state.scaled.as_ref()?;
-            let object = &scene.objects()[index as usize];
-            let filter = state.query.filter();
-            if Q::IS_FILTERED && !filter::sees_any(scene, filter, index, object) {
-                continue;
-            }
-            let place = Place::Leader(index);
-            let ray = if Q::IS_FILTERED {
-                filter::in_object(scene, (scaled, filter), place, state.t_max).map(|(ray, own)| {
-                    *in_mesh = own;
-                    ray
-                })
-            } else {
-                scaled.in_object(object, state.t_max)
-            };
-            let Some(ray) = ray else {
-                continue;
-            };
-            match scene.at_mesh(index) {
-                Some((mesh, tree)) => {
-                    let is_plain = scaled.t_scale == 1.0 && !object.has_cutouts();
-                    if Q::IS_FILTERED
-                        && let Some(met) = met_at_start(scene, filter, (place, &ray, &*in_mesh))
-                    {
-                        state.cross(scene, index, met);
-                    }
-                    if Q::IS_FILTERED && in_mesh.leaves_all_of(mesh) {
-                        continue;
-                    }
-                    let is_near = ray.t_min >= 0.0 && !tree.is_distant(ray.origin);
-                    let is_near = is_near && (!Q::IS_FILTERED || is_sharp(tree, in_mesh));
-                    if is_plain && is_near && tree.has_nodes() {
-                        return Some(Instance { object: index, tree, mesh, ray });
-                    }
-                    TriangleByTriangle {
-                        state,
-                        scratch,
-                        scene,
-                        at_mesh: (index, tree, mesh),
-                        ray: &ray,
-                        in_mesh,
-                    }
-                    .run(l);
-                }
-                None => state.meet_shape(scene, (index, object.shape()), &ray),
-            }
-        }
-        None
-    }
-
-    /// The next object that may be met.
-    #[inline(always)]
-    fn next_object<L: Lanes>(
-        &mut self,
-        l: L,
-        scene: &'a Scene,
-        stack: &mut WalkStack,
-    ) -> Option<u32> {
-        if let Some(known) = self.ahead.take() {
-            return Some(known);
+    pub(super) fn look_ahead(&mut self, scene: &'a Scene, walks: &mut Walks) -> Option<&'a Bvh> {
+        if !self.state.is_open() || self.ahead.is_some() {
+            return None;
         }
         if let Some((&copy, rest)) = self.duplicates.split_first() {
             self.duplicates = rest;
-            return Some(copy);
+            self.ahead = Some(copy);
+            return None;
         }
-        let ray = (self.state.ray()?, self.state.t_max);
-        let index = self.objects.next(l, ray, stack)?;
+        let (ray, t_max) = (self.state.ray()?, self.state.t_max);
+        if let Some(object) = self.objects.next_outside(ray, t_max) {
+            self.come_with_copies(scene, object);
+            return None;
+        }
+        let tree = self.objects.tree()?;
+        let place = *self.place.get_or_insert_with(|| walks.begin(tree, ray));
+        walks.send(place, t_max);
+        Some(tree)
+    }
+
+    /// The next object, once the tree is advanced; `None` at the end.
+    #[inline(always)]
+    pub(super) fn arrive(&mut self, scene: &'a Scene, walks: &mut Walks) -> Option<u32> {
+        if self.state.is_open()
+            && self.ahead.is_none()
+            && let Some(object) = self.place.and_then(|place| walks.arrived(place))
+        {
+            self.come_with_copies(scene, object);
+        }
+        let next = self.ahead.filter(|_| self.state.is_open());
+        if next.is_none()
+            && let Some(place) = self.place.take()
+        {
+            walks.end(place);
+        }
+        next
+    }
+
+    /// Makes an object the next, with those in its place after it where they matter.
+    #[inline(always)]
+    fn come_with_copies(&mut self, scene: &'a Scene, index: u32) {
         let object = &scene.objects()[index as usize];
         let filter = self.state.query.filter();
         if Q::ALL || (Q::IS_FILTERED && filter::tells_copies_apart(filter, index, object)) {
             self.duplicates = scene.duplicates().of(index);
         }
-        Some(index)
+        self.ahead = Some(index);
+    }
+
+    /// The next mesh, among the objects that are wanted; `None` at the end. Scene and walks are the
+    /// same each time. What a filtered ray does not meet of the mesh goes to `in_mesh`.
+    #[inline(always)]
+    pub(super) fn next<L: Lanes>(
+        &mut self,
+        l: L,
+        for_mesh: (&mut Scratch, &mut MeshFilter),
+        (scene, walks): (&'a Scene, &mut Walks),
+        is_wanted: impl Fn(u32) -> bool,
+    ) -> Option<Instance<'a>> {
+        let (scratch, in_mesh) = for_mesh;
+        loop {
+            if let Some(tree) = self.look_ahead(scene, walks) {
+                walks.advance(l, tree);
+            }
+            let next = self.arrive(scene, walks)?;
+            if !is_wanted(next) {
+                self.ahead = None;
+            } else if let Some(instance) = self.enter(l, (scratch, in_mesh), scene) {
+                return Some(instance);
+            }
+        }
+    }
+
+    /// Takes the ray into the next object, if there is one. Returns the mesh that it comes to, and
+    /// meets anything else at once.
+    #[inline(always)]
+    pub(super) fn enter<L: Lanes>(
+        &mut self,
+        l: L,
+        (scratch, in_mesh): (&mut Scratch, &mut MeshFilter),
+        scene: &'a Scene,
+    ) -> Option<Instance<'a>> {
+        let index = self.ahead.take()?;
+        let state = &mut self.state;
+        let scaled = state.scaled.as_ref()?;
+        let object = &scene.objects()[index as usize];
+        let filter = state.query.filter();
+        if Q::IS_FILTERED && !filter::sees_any(scene, filter, index, object) {
+            return None;
+        }
+        let place = Place::Leader(index);
+        let ray = if Q::IS_FILTERED {
+            let (ray, own) = filter::in_object(scene, (scaled, filter), place, state.t_max)?;
+            *in_mesh = own;
+            ray
+        } else {
+            scaled.in_object(object, state.t_max)?
+        };
+        let Some((mesh, tree)) = scene.at_mesh(index) else {
+            state.meet_shape(scene, (index, object.shape()), &ray);
+            return None;
+        };
+        let is_plain = scaled.t_scale == 1.0 && !object.has_cutouts();
+        if Q::IS_FILTERED
+            && let Some(met) = met_at_start(scene, filter, (place, &ray, &*in_mesh))
+        {
+            state.cross(scene, index, met);
+        }
+        if Q::IS_FILTERED && in_mesh.leaves_all_of(mesh) {
+            return None;
+        }
+        let is_near = ray.t_min >= 0.0 && !tree.is_distant(ray.origin);
+        let is_near = is_near && (!Q::IS_FILTERED || is_sharp(tree, in_mesh));
+        if is_plain && is_near && tree.has_nodes() {
+            return Some(Instance { object: index, tree, mesh, ray });
+        }
+        let at_mesh = (index, tree, mesh);
+        TriangleByTriangle { state, scratch, scene, at_mesh, ray: &ray, in_mesh }.run(l);
+        None
     }
 }
 
@@ -179,7 +210,7 @@ pub(super) fn first_of_shapes(scene: &Scene, ray: &Ray, objects: &[u32], known: 
             scaled.in_object(object, t_max).and_then(|ray| object.shape().intersect(&ray));
         if crossing.is_some() {
             let surface = |primitive| scene.surface_at(index, primitive);
-            t_max = first.take(scene, &scaled, surface, crossing);
+            t_max = t_max.min(first.take(scene, &scaled, surface, crossing));
         }
     }
     first.0

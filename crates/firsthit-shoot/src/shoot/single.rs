@@ -56,14 +56,13 @@ impl<Q: RayQuery> Kernel for SingleRay<'_, Q> {
 
     #[inline(always)]
     fn run<L: Lanes>(self, l: L) -> Q {
-        let Memory { scratch, walk_stacks, .. } = self.memory;
-        let stack = &mut walk_stacks[0];
+        let Memory { scratch, walks, .. } = self.memory;
         let scene = self.scene;
         let state = RayState::new(self.ray, self.query, self.t_max);
         let mut walk = SceneWalk::new(state, scene.candidates());
         let mut in_mesh = MeshFilter::NONE;
         let is_wanted = |object: u32| self.is_skipped.get(object as usize) != Some(&true);
-        while let Some(instance) = walk.next(l, (scratch, &mut in_mesh), (scene, stack), is_wanted)
+        while let Some(instance) = walk.next(l, (scratch, &mut in_mesh), (scene, walks), is_wanted)
         {
             let Instance { object, tree, mesh, ray } = instance;
             let found = if Q::IS_FILTERED {

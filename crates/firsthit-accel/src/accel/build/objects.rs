@@ -192,6 +192,7 @@ fn middle(boxes: &[Bounds]) -> DVec3 {
 mod tests {
     use super::*;
     use crate::accel::build::binary::SAH_DEPTH;
+    use crate::accel::walks::Walks;
     use crate::geometry::Ray;
     use crate::simd::{self, InstructionSet, Kernel, Lanes};
 
@@ -217,20 +218,52 @@ mod tests {
         all
     }
 
-    /// The boxes that a ray may meet, up to its `t_max`.
+    /// The boxes that a ray may meet, up to its `t_max`: alone, and together with itself.
     fn met(bvh: &Bvh, ray: &Ray) -> Vec<u32> {
-        struct Met<'r>(&'r Bvh, &'r Ray);
+        struct Met<'r>(&'r Bvh, &'r Ray, usize);
         impl Kernel for Met<'_> {
-            type Output = Vec<u32>;
+            type Output = Vec<Vec<u32>>;
 
             #[inline(always)]
-            fn run<L: Lanes>(self, l: L) -> Vec<u32> {
-                let mut stack = Vec::new();
-                let walk = self.0.walk(self.1, &mut stack);
-                std::iter::from_fn(|| walk.next(l, self.1.t_max, &mut stack)).collect()
+            fn run<L: Lanes>(self, l: L) -> Vec<Vec<u32>> {
+                let Self(bvh, ray, count) = self;
+                let mut walks = Walks::default();
+                let mut met = vec![Vec::new(); count];
+                let places: Vec<u32> = met.iter().map(|_| walks.begin(bvh, ray)).collect();
+                let mut left: Vec<usize> = (0..count).collect();
+                while !left.is_empty() {
+                    left.iter().for_each(|&k| walks.send(places[k], ray.t_max));
+                    walks.advance(l, bvh);
+                    left.retain(|&k| {
+                        let next = walks.arrived(places[k]);
+                        met[k].extend(next);
+                        next.is_some()
+                    });
+                }
+                met
             }
         }
-        simd::run(InstructionSet::current().unwrap(), Met(bvh, ray))
+        let set = InstructionSet::current().unwrap();
+        let [alone, together] = [1, 19].map(|count| simd::run(set, Met(bvh, ray, count)));
+        let sorted = |list: &Vec<u32>| {
+            let mut list = list.clone();
+            list.sort_unstable();
+            list
+        };
+        for list in &together {
+            assert_eq!(sorted(list), sorted(&alone[0]), "{ray:?}");
+        }
+        alone[0].clone()
+    }
+
+    /// More boxes wait for a ray than its list has room for at first.
+    #[test]
+    fn a_ray_meets_all_of_many_boxes_in_one_place() {
+        let bounds = |k: u32| Bounds::of([DVec3::ZERO, DVec3::splat(1.0 + f64::from(k % 7))]);
+        let bvh = Bvh::build(3_000, bounds, Bvh::OBJECTS);
+        let mut met = met(&bvh, &Ray::new(DVec3::splat(-1.0), DVec3::new(1.0, 1.1, 1.2)));
+        met.sort_unstable();
+        assert_eq!(met, (0..3_000).collect::<Vec<_>>());
     }
 
     #[test]

@@ -3,6 +3,7 @@
 use super::packet::{RAYS, of};
 use crate::accel::bounds::U;
 use crate::accel::mesh_tree::MeshTree;
+use crate::geometry::arrays;
 use crate::shape::Meshes;
 use crate::simd::Lanes;
 
@@ -42,6 +43,14 @@ impl Trees for &MeshTree {
     }
 }
 
+impl MeshTree {
+    /// The rounding of vertices, which the blur holds too.
+    #[inline(always)]
+    fn rounding(&self) -> f64 {
+        if self.is_exact { 0.0 } else { U.into() }
+    }
+}
+
 /// A tree for each ray of a packet.
 #[derive(Clone, Copy)]
 #[repr(align(64))]
@@ -56,14 +65,13 @@ pub struct TreePerRay<'a> {
 impl<'a> TreePerRay<'a> {
     /// One for all lanes, until others are [put](Self::put).
     pub fn new(at_mesh: (&'a MeshTree, Meshes<'a>)) -> Self {
-        let mut each = Self {
-            scale: [0.0; RAYS],
-            origin: [[0.0; RAYS]; 3],
-            rounding: [0.0; RAYS],
+        let (tree, _) = at_mesh;
+        Self {
+            scale: [tree.space.scale; RAYS],
+            origin: arrays::map(tree.space.origin.to_array(), |along| [along; RAYS]),
+            rounding: [tree.rounding(); RAYS],
             meshes: [at_mesh; RAYS],
-        };
-        (0..RAYS).for_each(|lane| each.put(lane, at_mesh));
-        each
+        }
     }
 
     /// Puts the ray in a lane to a mesh.
@@ -75,7 +83,7 @@ impl<'a> TreePerRay<'a> {
         for axis in 0..3 {
             self.origin[axis][lane] = tree.space.origin[axis];
         }
-        self.rounding[lane] = if tree.is_exact { 0.0 } else { U.into() };
+        self.rounding[lane] = tree.rounding();
         self.meshes[lane] = at_mesh;
     }
 

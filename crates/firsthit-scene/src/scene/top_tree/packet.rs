@@ -28,7 +28,7 @@ pub struct PacketCandidates<'a> {
 
 impl PacketCandidates<'_> {
     /// The next object, and the rays that may meet it at a parameter of at most their limit, a bit
-    /// each. Otherwise as [`ObjectCandidates::next`].
+    /// each. From call to call no limit must grow, and the rays and `stack` must be the same.
     #[inline(always)]
     pub fn next<L: Lanes>(
         &mut self,
