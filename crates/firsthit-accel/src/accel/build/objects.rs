@@ -232,7 +232,9 @@ mod tests {
                 let places: Vec<u32> = met.iter().map(|_| walks.begin(bvh, ray)).collect();
                 let mut left: Vec<usize> = (0..count).collect();
                 while !left.is_empty() {
-                    left.iter().for_each(|&k| walks.send(places[k], ray.t_max));
+                    for &k in &left {
+                        walks.send(places[k], ray.t_max);
+                    }
                     walks.advance(l, bvh);
                     left.retain(|&k| {
                         let next = walks.arrived(places[k]);
