@@ -76,6 +76,11 @@ fn options_that_do_nothing_are_told() {
             "--edge-kinds object --edge-angle 3",
             "--edge-angle does nothing without crease among the --edge-kinds",
         ),
+        // Another option that does nothing hides nothing.
+        (
+            "--channels edge --edge-kinds object --edge-angle 3 --light auto",
+            "--edge-angle does nothing without crease",
+        ),
     ] {
         let outcome = lab.ok(&format!("render square.ply --size 8x8 {options}"));
         assert!(outcome.stderr.contains(words), "{options}: {}", outcome.stderr);

@@ -36,7 +36,8 @@ pub(super) fn options(
     let given = &args.given;
     let mut idle = without_channels(given, orders);
     let has_creases = edges.is_none_or(|edges| edges.kinds.has(EdgeKind::Crease));
-    if !has_creases && idle.is_empty() {
+    let is_told = idle.iter().any(|it| it.starts_with("--edge-angle "));
+    if !has_creases && !is_told {
         let why = "without crease among the --edge-kinds";
         idle.extend(do_nothing(given, ["edge-angle"], why));
     }
