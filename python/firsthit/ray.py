@@ -257,7 +257,7 @@ def _connected() -> Any:
     without one.
     """
     # Its name is this module's, too; that of the package is absolute.
-    ray = optional("ray", "this")
+    ray = optional("ray", "the executor on Ray")
     if not ray.is_initialized():
         raise RuntimeError("Ray is not connected to a cluster: call ray.init before")
     return ray

@@ -85,7 +85,7 @@ def _marks(path: Path, known: dict[str, Any]) -> list[Mark]:
 def check_packages(plan: Plan) -> None:
     """Refuse formats whose packages are missing, as the first file of the format would."""
     if "parquet" in plan._output.clouds:
-        optional("pyarrow", "a .parquet")
+        optional("pyarrow.parquet", "a .parquet")
 
 
 def check(plan: Plan, number: int, scene: Scene, threads: int | None) -> Mark:

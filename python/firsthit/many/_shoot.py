@@ -146,7 +146,7 @@ def shoot_many(
         raise TypeError(f"fold must be callable and have a method merge, got {fold!r}")
     if fold is None and save == ".parquet":
         # Before anything is shot.
-        optional("pyarrow", "a .parquet")
+        optional("pyarrow.parquet", "a .parquet")
     wanted = [] if fold is not None else distinct(channels, OF_RAYS)
     share, objects = shared(scene), settled(objects)
     met = {"cull": cull, "objects": objects, "blend_below": blend_below}
