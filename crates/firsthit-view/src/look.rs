@@ -34,8 +34,8 @@ pub struct FrameRequest {
     pub colors: Vec<(usize, [f64; 3])>,
     /// Whether there is a ground; by default where `firsthit render` has one.
     pub ground: Option<bool>,
-    /// The width in pixels of lines along edges; 0 for none. By default those that `firsthit
-    /// render` draws.
+    /// The width in pixels of lines along edges; 0 for none. By default those that
+    /// `firsthit render` draws.
     pub edges: Option<f64>,
     /// The colour of the faces that a plane cuts, which is linear; by default each has its
     /// object's.

@@ -70,8 +70,8 @@ pub(crate) static WORKER: &[Script] = scripts! {
     "worker.js"
 };
 
-/// The crate `firsthit-wasm` as a module, packed by gzip. `make wasm` makes it, and `make
-/// test-wasm` compares its answers with those of the sources.
+/// The crate `firsthit-wasm` as a module, packed by gzip. `make wasm` makes it, and
+/// `make test-wasm` compares its answers with those of the sources.
 pub(crate) static MODULE: &[u8] = include_bytes!("../module/firsthit.wasm.gz");
 
 /// The type and the bytes of a file of the page.

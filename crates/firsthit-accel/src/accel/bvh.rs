@@ -22,9 +22,9 @@
 //! for them, as it is also entered earlier: by at least `margin / |d|` along the axis of the
 //! largest `d`. The margin costs no time: it is in the ends of the slab test.
 //!
-//! The slab test is done in float32. With coordinates b of a box and p of the point of step 1, `b /
-//! d - p / d` is off by at most 3 [`U`] |b| and 3 [`U`] |p|, in units of the coordinates. The boxes
-//! are wider by [`BOX_ROUNDING`] of their own coordinates, and the ray by as much of p. So
+//! The slab test is done in float32. With coordinates b of a box and p of the point of step 1,
+//! `b / d - p / d` is off by at most 3 [`U`] |b| and 3 [`U`] |p|, in units of the coordinates. The
+//! boxes are wider by [`BOX_ROUNDING`] of their own coordinates, and the ray by as much of p. So
 //! float32's rounding grows neither with the extent nor with the distance of the start; the margin
 //! does. Too small: `no_box_that_a_ray_meets_is_missed`.
 
@@ -126,8 +126,8 @@ impl BoxSpace {
     }
 }
 
-/// The children of nodes still to be visited, with the parameters where they begin. Memory to be
-/// used again.
+/// The boxes still to be visited by a packet, by their places in the tree, each with the depth
+/// where it begins. Memory to be used again.
 #[doc(hidden)]
 pub type WalkStack = Vec<(u32, f64)>;
 

@@ -54,8 +54,8 @@ pub(super) trait Model {
     }
 }
 
-/// The conversion from a ray's `t` to the other two distances: `range = t + offset`, `z = range *
-/// cosine`.
+/// The conversion from a ray's `t` to the other two distances: `range = t + offset`,
+/// `z = range * cosine`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Reach {
     pub(super) offset: f64,

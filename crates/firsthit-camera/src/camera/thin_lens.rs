@@ -14,9 +14,9 @@ use crate::geometry::{DVec2, DVec3, Domain, Setting, Value, require, setting_lis
 impl Camera {
     /// The camera with a thin lens: a disc around `position`, at right angles to the aim, of
     /// diameter `aperture`. Points at the distance `focus` along the aim are sharp. A point at
-    /// another distance z becomes a disc, whose diameter on the viewplane is `aperture * |z -
-    /// focus| / (z * focus) * focal_length`. Lengths are in scene units; an aperture of 0 is a
-    /// pinhole.
+    /// another distance z becomes a disc, whose diameter on the viewplane is
+    /// `aperture * |z - focus| / (z * focus) * focal_length`. Lengths are in scene units; an
+    /// aperture of 0 is a pinhole.
     ///
     /// Only colours see it, and only with several samples: rays of a sample come from one point of
     /// the lens. The camera's own rays and all other channels are those of the pinhole at

@@ -13,9 +13,9 @@ use crate::memory;
 /// `means`, one less than `times`.
 ///
 /// At each inner knot the second derivatives of both sides are equal, which with shares of `a`, `b`
-/// of the stretches after and before it says `a * before + 2 * here + b * after = 3 * (a *
-/// mean_before + b * mean_after)`. The system is diagonally dominant, so that Gaussian elimination
-/// without pivots is stable (Thomas' algorithm).
+/// of the stretches after and before it says
+/// `a * before + 2 * here + b * after = 3 * (a * mean_before + b * mean_after)`. The system is
+/// diagonally dominant, so that Gaussian elimination without pivots is stable (Thomas' algorithm).
 pub(super) fn natural_rates(times: &[f64], means: &[DVec3]) -> Result<Vec<DVec3>> {
     let mut rates: Vec<DVec3> = memory::filled(times.len(), DVec3::ZERO)?;
     let mut above: Vec<f64> = memory::filled(times.len(), 0.0)?;

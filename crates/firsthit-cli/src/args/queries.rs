@@ -98,8 +98,8 @@ pub(crate) struct NearestArgs {
     /// and XYZ
     pub(crate) points: PathBuf,
     /// Where to write: .npz, .csv, .ply or .pcd (a point cloud of the nearest points), .npy with
-    /// {channel} in its name,
-    /// - for standard output; may be given several times [default: - as CSV; none with --cloud]
+    /// {channel} in its name, - for standard output; may be given several times [default: - as CSV;
+    /// none with --cloud]
     #[arg(short, long, value_name = "FILE")]
     pub(crate) output: Vec<PathBuf>,
     /// Write the points again with all their columns, and with the column distance: .ply, .pcd,
@@ -236,7 +236,7 @@ pub(crate) struct DiffArgs {
         visible_alias = "channel"
     )]
     pub(crate) channels: Vec<String>,
-    /// Print JSON: equal, tolerance, channels, `only_in_a`, `only_in_b`, warnings
+    /// Print JSON: equal, tolerance, channels, only_in_a, only_in_b, warnings
     #[arg(long)]
     pub(crate) json: bool,
 }

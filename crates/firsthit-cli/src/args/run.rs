@@ -15,8 +15,8 @@ pub(crate) struct LoadArgs {
     #[arg(long)]
     pub(crate) strict: bool,
     /// The memory that the file's content may take once it is unpacked, in bytes, or with K, M, G
-    /// or T for powers of
-    /// 1024. What the content describes may take 256 times its size, plus 1/256 of this limit
+    /// or T for powers of 1024. What the content describes may take 256 times its size, plus 1/256
+    /// of this limit
     #[arg(long, value_name = "SIZE", value_parser = values::memory, default_value = "8G")]
     pub(crate) max_memory: u64,
     /// The largest width and height of a texture, in texels. The texture may take SIDE x SIDE bytes

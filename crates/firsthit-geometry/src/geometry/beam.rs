@@ -2,9 +2,9 @@ use super::{Bounds, DVec3, Ray};
 
 /// A box around the origins of some rays, one around their directions, and their parameters.
 ///
-/// The points at a parameter `t` of at least 0 are in the box from `origins.low + t *
-/// directions.low` to `origins.high + t * directions.high`. So where that box and another have
-/// nothing in common at any `t`, no ray meets the other.
+/// The points at a parameter `t` of at least 0 are in the box from
+/// `origins.low + t * directions.low` to `origins.high + t * directions.high`. So where that box
+/// and another have nothing in common at any `t`, no ray meets the other.
 #[derive(Debug, Clone, Copy)]
 #[doc(hidden)]
 pub struct Beam {

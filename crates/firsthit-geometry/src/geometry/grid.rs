@@ -3,10 +3,10 @@ use super::{DVec2, DVec3, Ray, unit};
 /// The rays of a camera with a flat viewplane, one for each pixel: all of them follow from a row
 /// and a column, and neighbours are close to each other.
 ///
-/// The point of the viewplane for row `i`, counted from the bottom, and column `j` is `toward +
-/// (-width / 2 + width / columns * (j + x)) * right + (-height / 2 + height / rows * (i + y)) *
-/// upwards`, from `position` on, where (x, y) is the `offset`. This is the one formula for pixels:
-/// cameras, tiles and what fits a grid to an array of rays all use it.
+/// The point of the viewplane for row `i`, counted from the bottom, and column `j` is
+/// `toward + (-width / 2 + width / columns * (j + x)) * right + (-height / 2 + height / rows * (i + y)) * upwards`,
+/// from `position` on, where (x, y) is the `offset`. This is the one formula for pixels: cameras,
+/// tiles and what fits a grid to an array of rays all use it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PixelGrid {
     /// Pixels down and across.

@@ -103,8 +103,8 @@ pub struct RayFilter {
     pub only: Option<i32>,
     /// The ray does not meet this side of any surface.
     pub cull: Option<Side>,
-    /// The ray does not meet these: the first where it starts, the second where it ends, at `t =
-    /// 1`.
+    /// The ray does not meet these: the first where it starts, the second where it ends, at
+    /// `t = 1`.
     ///
     /// A triangle is not met at all. Of another shape, only the crossing that is nearest to the
     /// ray's start (or its end) is left out, for a line crosses a ball twice.

@@ -24,8 +24,8 @@ pub(super) enum Passage {
     Met,
 }
 
-/// A parameter where the line crosses a plane at right angles to an axis: `(plane - origin) /
-/// step`.
+/// A parameter where the line crosses a plane at right angles to an axis:
+/// `(plane - origin) / step`.
 #[derive(Clone, Copy)]
 struct Crossed {
     plane: f64,

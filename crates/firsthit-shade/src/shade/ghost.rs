@@ -29,8 +29,8 @@ settings! {
 }
 
 /// Composes surfaces with the colours `c_1`, `c_2`, ..., `c_n` of the Lambert shader, from the
-/// front to the back, and an opacity a: `a c_1 + (1 - a) (a c_2 + (1 - a) (... a c_n + (1 - a)
-/// background))`.
+/// front to the back, and an opacity a:
+/// `a c_1 + (1 - a) (a c_2 + (1 - a) (... a c_n + (1 - a) background))`.
 pub(super) fn shade(
     settings: &Ghost,
     shading: &Shading<'_>,

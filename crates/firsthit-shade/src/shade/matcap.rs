@@ -72,8 +72,8 @@ impl Matcap {
     /// The colour of a surface with a normal of length one in the frame of the ray. With the
     /// light's direction l and the direction h half way between l and back:
     ///
-    /// `((dark + (bright - dark) w^2) color + gloss max(0, n . h)^20) (1 - rim (1 - max(0,
-    /// n_z))^2)`, where `w = (1 + n . l) / 2`
+    /// `((dark + (bright - dark) w^2) color + gloss max(0, n . h)^20) (1 - rim (1 - max(0, n_z))^2)`,
+    /// where `w = (1 + n . l) / 2`
     fn painted(&self, color: Color, normal: DVec3) -> Color {
         let light = DVec3::new(-0.48, 0.64, 0.6);
         let halfway = unit(light + DVec3::Z);

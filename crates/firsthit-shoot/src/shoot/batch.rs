@@ -30,7 +30,7 @@ use crate::watch::{Watch, stop_if_asked};
 /// moment.
 pub(super) const BATCH: usize = 1024;
 
-/// Rays that need have nothing in common, by all threads of the current rayon pool.
+/// Traces any rays, by all threads of the current rayon pool.
 // Its name must stand in programs that have packets; see the test below.
 #[inline(never)]
 pub(super) fn trace_array<S: Sink>(
@@ -295,7 +295,8 @@ impl<S: Sink> Batch<'_, S> {
     }
 }
 
-/// Prefetches `count` rays from `first` on: those of the next batch, which this thread mostly takes.
+/// Prefetches `count` rays from `first` on: those of the next batch, which this thread mostly
+/// takes.
 #[inline(always)]
 fn prefetch<L: Lanes>(l: L, rays: &dyn Rays, first: usize, count: usize) {
     for ray in rays.array().unwrap_or_default().iter().skip(first).take(count) {
@@ -394,8 +395,8 @@ fn finish<'a, L: Lanes, Q: RayQuery>(
     }
 }
 
-/// A function of its own, so that packet building and top-level traversal are not compiled with
-/// traversals of meshes.
+/// The kernel of [`try_together`], apart so that packet building and top-level traversal are not
+/// compiled with traversals of meshes.
 struct TryTogether<'r, 'd, 'a, Q: MeshQuery, S: ?Sized>(
     &'r mut Traversal<'d, 'a>,
     (usize, &'r mut MeshPacket<'a>),
@@ -413,7 +414,7 @@ impl<Q: MeshQuery, S: accel::Sink<Q::Found> + ?Sized> Kernel for TryTogether<'_,
     }
 }
 
-/// Likewise.
+/// The kernel of [`finish`], likewise.
 struct Finish<'r, 'd, 'a, Q: MeshQuery, S: ?Sized>(
     &'r mut Traversal<'d, 'a>,
     &'r [MeshPacket<'a>],

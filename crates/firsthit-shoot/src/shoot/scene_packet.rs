@@ -72,9 +72,9 @@ impl<'a> ScenePacket<'a> {
         Some(Self { walks: first..end, rays, limits: [-1.0; RAYS], objects, next: None })
     }
 
-    /// Advances packets, each to the next mesh that rays of it enter, or to an object that rays come
-    /// to one by one: the numbers of these go to `alone`. Rays that enter a mesh go into a packet of
-    /// `memory`, and `entered` says so. Packets without more objects are dropped.
+    /// Advances packets, each to the next mesh that rays of it enter, or to an object that rays
+    /// come to one by one: the numbers of these go to `alone`. Rays that enter a mesh go into a
+    /// packet of `memory`, and `entered` says so. Packets without more objects are dropped.
     #[inline(always)]
     pub(super) fn step_all<L: Lanes, Q: RayQuery>(
         l: L,

@@ -2,8 +2,8 @@
 //! token.
 //!
 //! Nothing of a request is a path. The page's files are compiled in, and the scene was chosen on
-//! the command line. To look from another machine takes a tunnel: `ssh -L PORT:127.0.0.1:PORT
-//! host`.
+//! the command line. To look from another machine takes a tunnel:
+//! `ssh -L PORT:127.0.0.1:PORT host`.
 
 mod guard;
 mod http;

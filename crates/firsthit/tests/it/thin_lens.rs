@@ -62,9 +62,9 @@ fn flat(scene: &Scene, camera: Camera, samples: u32) -> Render<'_> {
         .shade(Shader::named("unlit").unwrap())
 }
 
-/// The circle of confusion: a point at the distance z becomes a disc of the diameter `aperture |z -
-/// focus| / (z focus)` at distance one, and of a disc of radius r the mean of x^2 is r^2 / 4. That
-/// of a small disc in the scene adds to it, and that of a pixel, 1/12.
+/// The circle of confusion: a point at the distance z becomes a disc of the diameter
+/// `aperture |z - focus| / (z focus)` at distance one, and of a disc of radius r the mean of x^2 is
+/// r^2 / 4. That of a small disc in the scene adds to it, and that of a pixel, 1/12.
 #[test]
 fn a_small_disc_out_of_focus_has_the_moments_of_its_circle_of_confusion() {
     let (rows, columns, samples) = (64, 64, 256);

@@ -8,10 +8,9 @@
 //! 4. Build both parts, large ones by two threads.
 //!
 //! Wald, "On fast Construction of SAH-based Bounding Volume Hierarchies", IEEE Symposium on
-//! Interactive Ray Tracing
-//! 2007. It departs in step 3, and in that the tree does not depend on the number of threads: bins
-//!       are counts and
-//! unions of boxes, whose order does not matter, and ranges are forked by their size alone.
+//! Interactive Ray Tracing 2007. It departs in step 3, and in that the tree does not depend on the
+//! number of threads: bins are counts and unions of boxes, whose order does not matter, and ranges
+//! are forked by their size alone.
 
 use super::binned_sah::{self, Block, Box32, Item, Split, around};
 use crate::memory;

@@ -8,8 +8,7 @@
 //! 3. Partition the range at the cheapest plane.
 //!
 //! Wald, "On fast Construction of SAH-based Bounding Volume Hierarchies", IEEE Symposium on
-//! Interactive Ray Tracing
-//! 2007. It departs in the cost, which counts blocks in place of items.
+//! Interactive Ray Tracing 2007. It departs in the cost, which counts blocks in place of items.
 
 use crate::accel::space::CHUNK;
 use crate::geometry::arrays;

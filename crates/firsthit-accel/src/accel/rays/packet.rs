@@ -51,8 +51,8 @@ pub struct Packet {
     pub(in crate::accel) filters: Filters,
     /// The rays that leave a triangle.
     pub(in crate::accel) departing: u16,
-    /// The node or leaf at which each ray begins: the root, or the only child of that which it meets;
-    /// see [`Packet::keep_at_root`].
+    /// The node or leaf at which each ray begins: the root, or the only child of that which it
+    /// meets; see [`Packet::keep_at_root`].
     pub(in crate::accel) begin: [u32; RAYS],
     /// The rays that may meet something.
     pub alive: u16,

@@ -134,8 +134,8 @@ mod tests {
     /// Sixteen rays at the root of a tree.
     struct AtRoot<'a>(&'a Mesh, &'a MeshTree, [Ray; RAYS]);
 
-    /// Those that are kept, and where each begins; whether they are scattered; and the children that
-    /// each meets, a bit each, by the test of a ray alone.
+    /// The rays that are kept, and where each begins; whether they are scattered; and the children
+    /// that each meets, a bit each, by the test of a ray alone.
     struct Outcome {
         kept: u16,
         begin: [u32; RAYS],

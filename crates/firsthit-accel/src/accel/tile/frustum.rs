@@ -2,10 +2,10 @@
 //! the tile's picture.
 //!
 //! The rays of a tile are `eye + depth * (centre + x * across + y * down)`, where x and y are
-//! pixels counted from the tile's middle; parallel ones are `eye + x * across + y * down + depth *
-//! centre`. So a point of the tree has coordinates (X, Y, Z): it is on the ray x = X / Z, y = Y / Z
-//! (parallel: x = X, y = Y), at the depth Z. The matrix that gives them is the inverse of the one
-//! with the columns `across`, `down` and `centre`.
+//! pixels counted from the tile's middle; parallel ones are
+//! `eye + x * across + y * down + depth * centre`. So a point of the tree has coordinates (X, Y,
+//! Z): it is on the ray x = X / Z, y = Y / Z (parallel: x = X, y = Y), at the depth Z. The matrix
+//! that gives them is the inverse of the one with the columns `across`, `down` and `centre`.
 //!
 //! 1. Bring the eye and the columns into the tree's space. Move the eye of parallel rays along
 //!    them, to the tree.

@@ -48,8 +48,8 @@ impl<'d, 'a> Traversal<'d, 'a> {
         Self { memory, of_coherent, of_masked, deferred: Deferred::new() }
     }
 
-    /// Steps 1 and 2 for a packet, by its number. Puts answers into `sink`, and leaves open the rays
-    /// that have none.
+    /// Steps 1 and 2 for a packet, by its number. Puts answers into `sink`, and leaves open the
+    /// rays that have none.
     #[inline(always)]
     pub fn try_together<L: Lanes, Q: MeshQuery>(
         &mut self,

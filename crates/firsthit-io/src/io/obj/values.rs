@@ -47,8 +47,8 @@ impl Values {
         corners + colors
     }
 
-    /// Tells whether seven numbers of vertices are `x y z w red green blue` or `x y z red green
-    /// blue alpha`, by which of the two is one.
+    /// Tells whether seven numbers of vertices are `x y z w red green blue` or
+    /// `x y z red green blue alpha`, by which of the two is one.
     fn sort_sevenths(&mut self, report: &mut Report) {
         let sevenths = std::mem::take(&mut self.sevenths);
         let mut rows: Vec<_> = (self.colors.iter_mut().zip(&sevenths))

@@ -32,8 +32,8 @@ pub struct Raster {
 
 /// Two prisms that turn, each of which leads the beam around a circle: the sum is a rose.
 ///
-/// Point k has the time `T = start + k / point_rate`. The beam is off forwards by the vector `a
-/// (cos 2 pi f1 T, sin 2 pi f1 T) + b (cos 2 pi f2 T, sin 2 pi f2 T)` in degrees to the left and
+/// Point k has the time `T = start + k / point_rate`. The beam is off forwards by the vector
+/// `a (cos 2 pi f1 T, sin 2 pi f1 T) + b (cos 2 pi f2 T, sin 2 pi f2 T)` in degrees to the left and
 /// upwards: its length is the angle. `a = fov / 2 * share` and `b = fov / 2 * (1 - share)`.
 /// Frequencies of opposite signs and a share of one half make the rose of the Risley prisms
 /// (Marshall, "Risley prism scan patterns", Proceedings of SPIE 3787, 1999).

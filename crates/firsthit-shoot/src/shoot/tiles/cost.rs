@@ -17,8 +17,8 @@ const TRIANGLE: f64 = 3.3e-3;
 const RAY_AMONG_MANY: f64 = 0.2;
 
 /// Whether it costs more to bring each mesh into all tiles that it may be seen in than to send the
-/// rays through the tree over many objects. Where tiles leave any objects to that tree, each ray goes
-/// there in any case.
+/// rays through the tree over many objects. Among more than [`MANY`] meshes, where tiles leave any
+/// objects to that tree, each ray goes there in any case.
 pub(super) fn costs_more(
     scene: &Scene,
     (rays, grid, source): (&dyn Rays, &PixelGrid, GridSource),

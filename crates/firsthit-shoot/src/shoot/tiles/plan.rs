@@ -9,7 +9,8 @@ use crate::geometry::{Bounds, DMat3, DVec3, PixelGrid, Rays, arrays};
 use crate::scene::{Object, Scene};
 use crate::shape::Surface;
 
-/// An object's transform may round by as much, as a share of coordinates, for its box to be of use.
+/// The largest rounding of an object's transform, as a share of coordinates, for which its box is
+/// of use.
 const MOST_ROUNDING: f64 = 1e-10;
 
 /// The number of pixels from which on results go past the caches.
@@ -26,9 +27,10 @@ pub(super) struct Plan<'a> {
     pub(super) source: GridSource,
     /// The meshes that tiles can do, the nearest first.
     pub(super) meshes: Vec<Placed>,
-    /// Whether an object is in there.
+    /// For each object, whether single rays leave it out: tiles draw it, it is hidden, a duplicate,
+    /// or its leader stands for it.
     pub(super) is_tiled: Vec<bool>,
-    /// The others.
+    /// The objects that tiles leave out.
     pub(super) rest: Rest,
     /// Rows of tiles in a band.
     pub(super) tiles_down: usize,

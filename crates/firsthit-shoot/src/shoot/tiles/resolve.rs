@@ -23,7 +23,7 @@ struct SeenObject<'a> {
 }
 
 impl SeenObject<'_> {
-    /// The objects that these triangles are of, and their numbers there in their place.
+    /// The object of each triangle; the triangles' numbers become those in their objects.
     #[inline(always)]
     fn objects(&self, scene: &Scene, primitives: &mut [i32; LANES]) -> [i32; LANES] {
         if self.mesh.one().is_some() {
@@ -50,7 +50,7 @@ impl SeenObject<'_> {
     }
 }
 
-/// Writes the hits of a block, each with the mask of its half; `false` where one of them is not
+/// Writes the hits of a block, half by half, each with its mask; `false` where one of them is not
 /// sound.
 #[inline(always)]
 fn put_sound<L: Lanes>(

@@ -22,8 +22,8 @@
 //! - 3 u |n| h: the rounding of the dot product;
 //! - u |n| h: the last rounding of `n`;
 //! - u |E| |F| h: the rounding of the products in `n`;
-//! - u |n| h: the rounding of `E` and `F`. As `r = v E + w F`, an error `e` of `E` comes to `e.(F x
-//!   r) = -v e.n`.
+//! - u |n| h: the rounding of `E` and `F`. As `r = v E + w F`, an error `e` of `E` comes to
+//!   `e.(F x r) = -v e.n`.
 //!
 //! What follows from that:
 //!
