@@ -38,7 +38,8 @@ impl SeenObject<'_> {
             }
             let first = scene.surface_at(self.index, numbers[lane]);
             (objects[lane], primitives[lane]) = (first.object, first.primitive);
-            let range = scene.numbers_of(first.object.cast_unsigned()).unwrap_or_default();
+            // No `unwrap_or_default`: of an array it is not inlined (`.ci/inlined`).
+            let range = scene.numbers_of(first.object.cast_unsigned()).unwrap_or([0; 2]);
             let [start, end] = range.map(u32::cast_signed);
             for (k, &number) in numbers.iter().enumerate() {
                 let is_same = start <= number && number < end;
