@@ -24,6 +24,18 @@ def firsthit(monkeypatch, capsys):
 
 
 @pytest.fixture
+def without(monkeypatch):
+    """Make a package impossible to import, with the parts that other tests have imported."""
+
+    def hide(package):
+        parts = [name for name in sys.modules if name.startswith(f"{package}.")]
+        for name in (package, *parts):
+            monkeypatch.setitem(sys.modules, name, None)
+
+    return hide
+
+
+@pytest.fixture
 def workers_find_the_tests(monkeypatch):
     """Processes that are started anew import `many_support`."""
     path = os.environ.get("PYTHONPATH")

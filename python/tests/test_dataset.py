@@ -459,8 +459,8 @@ def test_every_format_has_the_same_bytes_again(tmp_path):
     assert kinds == {"npz", "ply", "pcd", "las", "laz", "csv", "parquet", "exr", "png", "json"}
 
 
-def test_a_missing_package_is_told_before_anything_is_made(tmp_path, monkeypatch):
-    monkeypatch.setitem(sys.modules, "pyarrow", None)
+def test_a_missing_package_is_told_before_anything_is_made(tmp_path, without):
+    without("pyarrow")
     made = fh.Plan.from_dict(plan(lambda made: made["output"].update(clouds="parquet")), PLANS)
     with pytest.raises(ImportError, match="parquet takes the package pyarrow"):
         fh.dataset(made, tmp_path / "out")

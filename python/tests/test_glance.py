@@ -2,7 +2,6 @@
 
 import base64
 import re
-import sys
 
 import firsthit as fh
 import numpy as np
@@ -139,8 +138,8 @@ def test_a_channel_is_plotted_with_its_unit_and_without_misses(scene, camera):
         frame.plot("z")
 
 
-def test_a_plot_without_matplotlib_says_what_is_missing(scene, camera, monkeypatch):
-    monkeypatch.setitem(sys.modules, "matplotlib.pyplot", None)
+def test_a_plot_without_matplotlib_says_what_is_missing(scene, camera, without):
+    without("matplotlib")
     with pytest.raises(ImportError, match="plot takes the package matplotlib"):
         scene.shoot(camera).plot("t")
 

@@ -4,7 +4,6 @@ import io
 import json
 import pickle
 import statistics
-import sys
 import warnings
 
 import firsthit as fh
@@ -527,8 +526,8 @@ def test_a_las_of_a_far_place_has_the_steps_that_reach(tmp_path):
     np.testing.assert_allclose(read.xyz, scan.point, atol=0.00501)
 
 
-def test_packages_that_are_missing_are_named(scan, tmp_path, monkeypatch):
-    monkeypatch.setitem(sys.modules, "pyarrow", None)
+def test_packages_that_are_missing_are_named(scan, tmp_path, without):
+    without("pyarrow")
     with pytest.raises(ImportError, match="pip install pyarrow"):
         scan.save(tmp_path / "a.parquet")
     with pytest.raises(ValueError, match=r"path must end in one of \.npz"):

@@ -393,11 +393,9 @@ def test_a_frame_becomes_a_dataset_of_xarray():
     assert plain["row"].values.tolist() == [0.5, 1.5]
 
 
-def test_what_is_missing_is_said_with_its_package(monkeypatch):
-    import sys
-
+def test_what_is_missing_is_said_with_its_package(without):
     frame = fh.Frame((2, 3), {"z": np.zeros((2, 3))})
-    monkeypatch.setitem(sys.modules, "xarray", None)
+    without("xarray")
     with pytest.raises(ImportError, match="pip install xarray"):
         frame.to_xarray()
 
