@@ -199,76 +199,46 @@ pub(super) struct SamplerEntry {
 
 impl MaterialEntry<'_> {
     /// The textures that are read, what each is for, and where it stands; that of the colour first.
-    #[expect(clippy::too_many_lines, reason = "a line or two for each texture")]
     pub(super) fn textures(&self) -> impl Iterator<Item = (MapRole, &'static str, &TextureInfo)> {
-        /// A texture of an extension, its place made of both names.
+        /// The role of a texture of an extension, the texture, and its place.
         macro_rules! of {
-            ($extension:ident, $name:literal: $field:ident, $key:literal) => {
+            ($role:ident: $extension:ident, $texture:ident, $place:literal) => {
                 (
-                    (self.extensions.$extension.as_ref())
-                        .and_then(|extension| extension.$field.as_ref()),
-                    concat!("extensions/", $name, "/", $key),
+                    MapRole::$role,
+                    self.extensions.$extension.as_ref().and_then(|it| it.$texture.as_ref()),
+                    concat!("extensions/KHR_materials_", $place),
                 )
             };
         }
         let pbr = &self.pbr_metallic_roughness;
-        let (base, diffuse) = (
-            (pbr.base_color_texture.as_ref(), "pbrMetallicRoughness/baseColorTexture"),
-            of!(diffuse, "KHR_materials_pbrSpecularGlossiness": diffuse_texture, "diffuseTexture"),
-        );
-        let rough = (
-            pbr.metallic_roughness_texture.as_ref(),
-            "pbrMetallicRoughness/metallicRoughnessTexture",
-        );
+        let base = pbr.base_color_texture.as_ref();
+        let rough = pbr.metallic_roughness_texture.as_ref();
         // The extension stands in the place of the rest.
-        let (base, rough) = match &self.extensions.diffuse {
-            Some(_) => (diffuse, (None, rough.1)),
-            None => (base, rough),
+        let (color, rough) = match &self.extensions.diffuse {
+            Some(_) => {
+                (of!(Color: diffuse, diffuse_texture, "pbrSpecularGlossiness/diffuseTexture"), None)
+            }
+            None => ((MapRole::Color, base, "pbrMetallicRoughness/baseColorTexture"), rough),
         };
         let all = [
-            (MapRole::Color, base),
-            (MapRole::MetallicRoughness, rough),
-            (MapRole::Normal, (self.normal_texture.as_ref(), "normalTexture")),
-            (MapRole::Occlusion, (self.occlusion_texture.as_ref(), "occlusionTexture")),
-            (MapRole::Emission, (self.emissive_texture.as_ref(), "emissiveTexture")),
-            (
-                MapRole::Transmission,
-                of!(transmission, "KHR_materials_transmission": transmission_texture, "transmissionTexture"),
-            ),
-            (
-                MapRole::Specular,
-                of!(specular, "KHR_materials_specular": specular_texture, "specularTexture"),
-            ),
-            (
-                MapRole::SpecularColor,
-                of!(specular, "KHR_materials_specular": specular_color_texture, "specularColorTexture"),
-            ),
-            (
-                MapRole::Clearcoat,
-                of!(clearcoat, "KHR_materials_clearcoat": clearcoat_texture, "clearcoatTexture"),
-            ),
-            (
-                MapRole::ClearcoatRoughness,
-                of!(clearcoat, "KHR_materials_clearcoat": clearcoat_roughness_texture, "clearcoatRoughnessTexture"),
-            ),
-            (
-                MapRole::ClearcoatNormal,
-                of!(clearcoat, "KHR_materials_clearcoat": clearcoat_normal_texture, "clearcoatNormalTexture"),
-            ),
-            (
-                MapRole::SheenColor,
-                of!(sheen, "KHR_materials_sheen": sheen_color_texture, "sheenColorTexture"),
-            ),
-            (
-                MapRole::SheenRoughness,
-                of!(sheen, "KHR_materials_sheen": sheen_roughness_texture, "sheenRoughnessTexture"),
-            ),
-            (
-                MapRole::SpecularColor,
-                of!(diffuse, "KHR_materials_pbrSpecularGlossiness": specular_glossiness_texture, "specularGlossinessTexture"),
-            ),
+            color,
+            (MapRole::MetallicRoughness, rough, "pbrMetallicRoughness/metallicRoughnessTexture"),
+            (MapRole::Normal, self.normal_texture.as_ref(), "normalTexture"),
+            (MapRole::Occlusion, self.occlusion_texture.as_ref(), "occlusionTexture"),
+            (MapRole::Emission, self.emissive_texture.as_ref(), "emissiveTexture"),
+            of!(Transmission: transmission, transmission_texture, "transmission/transmissionTexture"),
+            of!(Specular: specular, specular_texture, "specular/specularTexture"),
+            of!(SpecularColor: specular, specular_color_texture, "specular/specularColorTexture"),
+            of!(Clearcoat: clearcoat, clearcoat_texture, "clearcoat/clearcoatTexture"),
+            of!(ClearcoatRoughness: clearcoat, clearcoat_roughness_texture,
+                "clearcoat/clearcoatRoughnessTexture"),
+            of!(ClearcoatNormal: clearcoat, clearcoat_normal_texture, "clearcoat/clearcoatNormalTexture"),
+            of!(SheenColor: sheen, sheen_color_texture, "sheen/sheenColorTexture"),
+            of!(SheenRoughness: sheen, sheen_roughness_texture, "sheen/sheenRoughnessTexture"),
+            of!(SpecularColor: diffuse, specular_glossiness_texture,
+                "pbrSpecularGlossiness/specularGlossinessTexture"),
         ];
-        all.into_iter().filter_map(|(role, (texture, place))| Some((role, place, texture?)))
+        all.into_iter().filter_map(|(role, texture, place)| Some((role, place, texture?)))
     }
 
     /// The linear colour and alpha, and the name of the key that has them.
