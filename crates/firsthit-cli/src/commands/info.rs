@@ -2,7 +2,7 @@ use std::collections::HashMap;
 use std::sync::Arc;
 
 use firsthit::error::escape_controls;
-use firsthit::image::{FORMATS, format_of, is_point_cloud};
+use firsthit::image::{format_of, is_point_cloud, known_extensions};
 use firsthit::load::LoadSettings;
 use firsthit::shape::Property;
 use firsthit::shoot::Cpu;
@@ -35,9 +35,7 @@ pub(crate) fn text(args: &InfoArgs, progress: &Progress) -> Result<String, Failu
         }
         _ if info_las::is_las(&args.file) => info_las::text(args),
         Err(_) if !has_model_extension(&args.file) => of_model(args, progress).map_err(|failure| {
-            let known = FORMATS.iter().flat_map(|format| format.extensions);
-            let known: Vec<String> = known.map(|known| format!(".{known}")).collect();
-            failure.with(&format!("; or an output: {}, .las, .laz", known.join(", ")))
+            failure.with(&format!("; or an output: {}, .las, .laz", known_extensions()))
         }),
         _ => of_model(args, progress),
     }

@@ -34,11 +34,8 @@ impl ChannelSource {
             Self::Camera => true,
             Self::Rays => !format.only_pictures,
         });
-        let extensions = formats.flat_map(|format| {
-            let with = move |&extension| (extension, Some(format));
-            format.extensions.iter().map(with)
-        });
-        extensions.chain((self == Self::Rays).then_some(("csv", None)))
+        let formats = formats.map(|format| (format.name, Some(format)));
+        formats.chain((self == Self::Rays).then_some(("csv", None)))
     }
 }
 

@@ -23,7 +23,6 @@ pub const FORMATS: &[Format] = &[
     #[cfg(feature = "png")]
     Format {
         name: "png",
-        extensions: &["png"],
         holds: Holds::OneChannel,
         only_pictures: true,
         has_sidecar: false,
@@ -37,7 +36,6 @@ pub const FORMATS: &[Format] = &[
     #[cfg(feature = "exr")]
     Format {
         name: "exr",
-        extensions: &["exr"],
         holds: Holds::AllChannels,
         only_pictures: true,
         has_sidecar: false,
@@ -51,7 +49,6 @@ pub const FORMATS: &[Format] = &[
     #[cfg(feature = "npy")]
     Format {
         name: "npy",
-        extensions: &["npy"],
         holds: Holds::OneChannel,
         only_pictures: false,
         has_sidecar: true,
@@ -67,7 +64,6 @@ pub const FORMATS: &[Format] = &[
     #[cfg(feature = "npy")]
     Format {
         name: "npz",
-        extensions: &["npz"],
         holds: Holds::AllChannels,
         only_pictures: false,
         has_sidecar: false,
@@ -81,7 +77,6 @@ pub const FORMATS: &[Format] = &[
     #[cfg(feature = "cloud")]
     Format {
         name: "ply",
-        extensions: &["ply"],
         holds: Holds::Points,
         only_pictures: false,
         has_sidecar: false,
@@ -95,7 +90,6 @@ pub const FORMATS: &[Format] = &[
     #[cfg(feature = "cloud")]
     Format {
         name: "pcd",
-        extensions: &["pcd"],
         holds: Holds::Points,
         only_pictures: false,
         has_sidecar: false,
@@ -111,10 +105,8 @@ pub const FORMATS: &[Format] = &[
 /// A file format.
 #[derive(Debug, Clone, Copy)]
 pub struct Format {
-    /// The name, in lower case.
+    /// The name, in lower case: the extension that chooses it, without the dot.
     pub name: &'static str,
-    /// The extensions that choose it, in lower case and without the dot.
-    pub extensions: &'static [&'static str],
     /// The part of a frame that a file holds.
     pub holds: Holds,
     /// Whether it stores only pictures, `[rows, columns]`, and no batches of rays.
@@ -222,16 +214,18 @@ impl Frame {
 ///
 /// [`Error::Argument`] if there is no such format.
 pub fn format_of(path: &Path) -> Result<&'static Format> {
-    let extension = path.extension().unwrap_or_default().to_string_lossy();
-    let extension = extension.to_lowercase();
-    (FORMATS.iter()).find(|format| format.extensions.contains(&extension.as_str())).ok_or_else(
-        || {
-            let known = FORMATS.iter().flat_map(|format| format.extensions);
-            let known: Vec<String> = known.map(|known| format!(".{known}")).collect();
-            let got = format!("{} (known: {})", escaped(path), known.join(", "));
-            Error::argument("path", "a name with a known format's extension", got)
-        },
-    )
+    let extension = path.extension().unwrap_or_default();
+    (FORMATS.iter()).find(|format| extension.eq_ignore_ascii_case(format.name)).ok_or_else(|| {
+        let got = format!("{} (known: {})", escaped(path), known_extensions());
+        Error::argument("path", "a name with a known format's extension", got)
+    })
+}
+
+/// The extensions of all formats, for messages.
+#[doc(hidden)]
+pub fn known_extensions() -> String {
+    let known: Vec<String> = FORMATS.iter().map(|format| format!(".{}", format.name)).collect();
+    known.join(", ")
 }
 
 /// The format called `name`, in upper or lower case: for outputs without an extension.

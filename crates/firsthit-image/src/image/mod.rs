@@ -63,6 +63,8 @@ pub use decode::output::{Array, ArrayValues, Output};
 #[doc(hidden)]
 pub use file::check_writable;
 pub use file::{sidecar_of, write_whole};
+#[doc(hidden)]
+pub use format::known_extensions;
 pub use format::{FORMATS, Format, Holds, format_named, format_of, write, write_channel};
 pub use frame::{Channel, Data, Description, Display, Frame, Unit};
 pub use metadata::{ChannelRecord, Encoding, METADATA_VERSION, Metadata, Pixels, Stored};

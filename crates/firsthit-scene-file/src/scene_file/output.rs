@@ -6,7 +6,7 @@ use super::section::Section;
 use super::table::{Form, Pick, Record, keys, optional, record, required};
 use crate::channel::{self, ATTRIBUTE, KINDS, PLACEHOLDER};
 use crate::error::{Error, Result, escape_controls};
-use crate::image::{FORMATS, Format, format_of, sidecar_of};
+use crate::image::{Format, format_of, known_extensions, sidecar_of};
 use crate::io::fault::Checked;
 use crate::io::{Report, read};
 use crate::world::Output;
@@ -33,9 +33,7 @@ pub(super) fn read(section: &Section<'_, '_>, report: &Report) -> Checked<Output
     let scene = report.source.base().map_err(|reason| refused(name, reason))?;
     let path = read::sibling_to_be(scene, name).map_err(|reason| refused(name, reason))?;
     let Ok(format) = format_of(&path) else {
-        let known = FORMATS.iter().flat_map(|format| format.extensions);
-        let known: Vec<String> = known.map(|extension| format!(".{extension}")).collect();
-        let (name, known) = (escape_controls(name), known.join(", "));
+        let (name, known) = (escape_controls(name), known_extensions());
         let what = format!("'{name}' is not written: it must end in one of {known}");
         return Err(section.fault_at("file", what));
     };
