@@ -94,7 +94,7 @@ class Panel:
 
 @dataclass(frozen=True)
 class Scene:
-    """What all contestants make a picture of. World space has z up; all is matte."""
+    """The scene that all contestants make a picture of. World space has z up; all is matte."""
 
     name: str
     mesh: str
@@ -254,7 +254,7 @@ def square(scene: Scene) -> np.ndarray:
 
 
 class Report(NamedTuple):
-    """What a peer says: seconds by the clock for the picture alone, and the samples of a pixel."""
+    """A peer's own report: seconds by the clock for the picture, and the samples of a pixel."""
 
     seconds: float
     samples: int
@@ -465,7 +465,7 @@ def contest(name: str, text: str) -> None:
 
 
 class Used(NamedTuple):
-    """What a process took: seconds by the clock, of processors, of the picture; MiB; samples."""
+    """The cost of a process: seconds by the clock, of processors, of the picture; MiB; samples."""
 
     wall: float
     cpu: float
@@ -490,7 +490,7 @@ class Bench:
     environment: dict[str, str] = field(default_factory=dict)
     #: Lines about what is missing or wrong.
     remarks: list[str] = field(default_factory=list)
-    #: What was measured, as lines of Markdown.
+    #: The measurements, as lines of Markdown.
     lines: list[str] = field(default_factory=list)
     is_wrong: bool = False
 

@@ -81,7 +81,7 @@ def timed(work: object) -> tuple[float, float]:
     return time.perf_counter() - began, sum(os.times()[:4]) - cpu
 
 
-#: What a worker does first: it is timed from the start of its work, imports aside.
+#: The first step of a worker. It is timed from the start of its work, imports aside.
 FIRST = """
 import json, sys, time
 import numpy as np, firsthit as fh

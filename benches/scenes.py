@@ -312,7 +312,7 @@ def standing(mesh: Mesh) -> Mesh:
     return Mesh((vertices - foot) / (high - low).max(), mesh.triangles)
 
 
-#: What stands on the tables, 0.8 high, and on the floor: name, size, x, y.
+#: The things on the tables, 0.8 high, and on the floor: name, size, x, y.
 ON_TABLES = [
     ("igea", 0.9, 4.2, 3.6), ("teapot", 0.4, 3.4, 3.4), ("teapot", 0.3, 5.1, 3.3),
     ("bunny", 0.6, 8.2, 5.6), ("suzanne", 0.4, 7.4, 5.4), ("spot", 0.4, 9, 5.7),

@@ -156,7 +156,7 @@ impl Run<'_> {
         let mut answers = Answers::new(source.len());
         let times = self.in_turns(source.len(), &mut ours, &theirs, &mut answers);
         shoot();
-        // What Embree answers at its most careful.
+        // Embree's answers at its most careful.
         theirs((true, Door::Single), &mut answers);
         let answers = self.trees.embree.is_some().then_some(&answers);
         let judge = &self.judge;

@@ -79,7 +79,7 @@ _Texels = TypeVar("_Texels", Texels, int)
 _MapOf = tuple[_Texels, tuple[str, str], str, tuple[_Vector, _Vector], bool]
 _Map = _MapOf[Texels]
 _MapOut = _MapOf[int]
-# What it gives off, how steep its normal map is, how much its occlusion map counts.
+# Its emission, how steep its normal map is, how much its occlusion map counts.
 _Strengths = tuple[_Vector, float, float]
 _MaterialOf = tuple[
     _Vector,

@@ -202,7 +202,7 @@ pub(crate) fn run_reported<T: Send>(
     });
     let result = result.expect("the scope ends after the work");
     if let Some(signal) = signal {
-        // What could not be kept on the way out is told too.
+        // An error on the way out is told too.
         if let Ok(Err(error)) = &result
             && !matches!(error, Error::Interrupted)
         {

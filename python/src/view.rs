@@ -98,7 +98,7 @@ impl PageServer {
         let (is_stopped, is_over) = <(Arc<AtomicBool>, Arc<AtomicBool>)>::default();
         let (stop, over) = (Arc::clone(&is_stopped), Over(Arc::clone(&is_over)));
         let serve = move || {
-            // What is declared last ends first: the port is free before anyone is told.
+            // The last declaration ends first: the port is free before anyone is told.
             let _over = over;
             let server = server;
             server.run(&|| stop.load(Ordering::Relaxed));

@@ -7,7 +7,7 @@ use clap::{Arg, Command};
 
 use crate::output::ChannelSource;
 
-/// The names of channels, as shells complete them. What is no name is refused where the channels
+/// The names of channels, as shells complete them. Other words are refused where the channels
 /// are looked up: there it is known what else could be meant.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct ChannelNames(pub(crate) ChannelSource);

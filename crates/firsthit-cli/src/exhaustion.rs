@@ -1,9 +1,9 @@
 //! Handles the end of memory in the middle of something.
 //!
 //! Whatever a file's counts ask for is asked of the system in a way that can fail, and is an error
-//! like any other. What is small or in foreign code is not: there the standard library says
-//! `memory allocation of N bytes failed`, with a second line or a trace as `RUST_BACKTRACE` asks,
-//! and aborts the process. We turn the abort into an orderly exit; the lines are the standard
+//! like any other. A small allocation, or one in foreign code, is not: there the standard library
+//! says `memory allocation of N bytes failed`, with a second line or a trace as `RUST_BACKTRACE`
+//! asks, and aborts the process. We turn the abort into an orderly exit; the lines are the standard
 //! library's.
 
 use std::sync::Arc;

@@ -189,7 +189,7 @@ Examples:
   firsthit section part.stl --normal 1,0,0 -o cut.dxf -o cut.json
   firsthit section part.stl --normal 1,1,0 --json
 
-The curves are closed where the meshes are. What lies exactly on the plane counts as on the side to which the normal points. \
+The curves are closed where the meshes are. A point exactly on the plane counts as on the side to which the normal points. \
 Drawings are in the plane's own coordinates; the JSON file has its axes u and v. Shapes that are not meshes are left out, with a \
 warning.";
 

@@ -51,8 +51,8 @@ where
         Err(error) => return usage::report(error),
     };
     let exhaustion = exhaustion::catch();
-    // A panic is a bug of ours; the user gets one line of it, not a trace. What the library catches
-    // of another crate's panics is the file's fault, and gets no line here.
+    // A panic is a bug of ours; the user gets one line of it, not a trace. A panic that the library
+    // catches in another crate is the file's fault, and gets no line here.
     let last = Arc::new(Mutex::new(String::new()));
     let noted = Arc::clone(&last);
     std::panic::set_hook(Box::new(move |panic| {

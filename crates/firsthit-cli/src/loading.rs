@@ -96,7 +96,7 @@ pub(crate) fn read_with(
     let objects = objects.collect();
     Ok(Loaded {
         scene: match built {
-            // What the file does not hold is built.
+            // Trees that the file does not hold are built.
             Some(built) => built.with_build(build).with_objects_watched(objects, progress)?,
             None => Scene::build_watched(objects, build, progress)?,
         },

@@ -38,8 +38,8 @@ pub fn begin_run() {
     *files() = Files::NONE;
 }
 
-/// Notes that the file at `path` is read: from now on nothing is written over it. What is no
-/// regular file, or not there, is not noted, nor is a file that this process wrote.
+/// Notes that the file at `path` is read: from now on nothing is written over it. A path to no
+/// regular file, or to nothing, is not noted, nor is a file that this process wrote.
 ///
 /// The readers of this crate note what they open. A caller that reads by itself calls this.
 pub fn note(path: &Path) {

@@ -57,7 +57,7 @@ pub fn fit<T: Zeroable + Clone>(values: &mut Vec<T>, count: usize) -> Result<()>
         values.resize(count, T::zeroed());
         return Ok(());
     }
-    // What is there goes first: there may not be room for both.
+    // The old values go first: there may not be room for both.
     *values = Vec::new();
     *values = zeroed(count)?;
     Ok(())

@@ -1,4 +1,4 @@
-//! What the door answers where it is compiled for this machine: `tests/module.mjs` compares the
+//! The door's answers where it is compiled for this machine: `tests/module.mjs` compares the
 //! module's answers with these.
 //!
 //! Reads one JSON array of calls, and writes a line of JSON for each: whether it was refused, the

@@ -6,7 +6,7 @@
 //! address and length. The module imports nothing, opens nothing, and holds one scene at a time.
 //! `firsthit.mjs` of the crate firsthit-view wraps the calls for JavaScript.
 //!
-//! What is asked and answered is what the server of `firsthit view` is asked and answers; see
+//! Requests and answers are those of the server of `firsthit view`; see
 //! [`Door`].
 
 #![allow(

@@ -1,10 +1,10 @@
 """Errors and warnings about files, and which built-in errors there are beside them.
 
 A bad value is a ``ValueError``, and so is a name that an argument cannot be: of a channel, an
-attribute, an object, a kind of finding. What is looked up like the keys of a dict is a
+attribute, an object, a kind of finding. A name that is looked up like a key of a dict is a
 ``KeyError`` where it is not there: ``frame["z"]``, and a camera of a scene. A number is an
-``IndexError`` where nothing has it: the identifier of an object, an index of hits. What is of
-another type altogether is a ``TypeError``.
+``IndexError`` where nothing has it: the identifier of an object, an index of hits. A value of
+another type is a ``TypeError``.
 """
 
 import os

@@ -57,7 +57,7 @@ def empty(shape: tuple[int, ...], dtype: type[np.generic]) -> npt.NDArray[Any]:
     try:
         # How an array is counted that only a list holds differs between interpreters.
         alone = _references([np.empty(0)], 0)
-        # What was used last is in the cache, if anything is.
+        # The value used last is in the cache, if any is.
         for k in reversed(range(len(_remembered))):
             if _references(_remembered, k) == alone and _is_like(_remembered[k], shape, dtype):
                 array = _remembered.pop(k)

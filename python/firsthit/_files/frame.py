@@ -54,10 +54,10 @@ class Frame(Plottable):
     shape : pair of int
         Rows and columns.
     channels : mapping of str to (rows, columns) or (rows, columns, k) array_like
-        What each pixel has, as bool, integers or floats; arrays are not copied. Names that `render`
-        lists say how a channel is shown and what a miss is; numbers under any other name are your
-        own. Files hold integers as int32, and ``_`` in the place of characters of a name that are
-        no letters, digits, ``.``, ``-`` or ``_`` of ASCII.
+        The numbers of each pixel, as bool, integers or floats; arrays are not copied. Names that
+        `render` lists say how a channel is shown and what a miss is; numbers under any other name
+        are your own. Files hold integers as int32, and ``_`` in the place of characters of a name
+        that are no letters, digits, ``.``, ``-`` or ``_`` of ASCII.
 
     Raises
     ------
@@ -263,7 +263,7 @@ class Frame(Plottable):
             steps of this length in scene units; 0 is a miss. A distance beyond 65535 steps, unless
             ``far`` is given, or below half a step, is an error.
         far : {"saturate", "zero"}, optional
-            What such a PNG has in place of a distance beyond 65535 steps, such as that of a far
+            The number in such a PNG for a distance beyond 65535 steps, such as that of a far
             background: 65535, or 0 as for a miss. If left out, that is an error.
         png_labels : bool
             Write identifiers (``object``, ``primitive``, ``face``, ``node``, ``mesh``,
@@ -316,7 +316,7 @@ class Frame(Plottable):
         Returns
         -------
         (rows, columns) array of float32
-            From 0 to 1: the share of the pixel's samples that meet them. What is not among the
+            From 0 to 1: the share of the pixel's samples that meet them. An object not among the
             pixel's largest shares, six unless more were asked for, counts as 0.
 
         Raises

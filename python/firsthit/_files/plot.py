@@ -41,8 +41,8 @@ class Plottable:
         -------
         matplotlib.axes.Axes
             With columns to the right and rows downwards. Near is yellow, by powers of ten where
-            distances differ a hundredfold. Each identifier has a colour. What is no number, and no
-            identifier, is black.
+            distances differ a hundredfold. Each identifier has a colour. A pixel without a number
+            or an identifier is black.
 
         Raises
         ------

@@ -23,7 +23,7 @@ class Points(NamedTuple):
         Where they are, in the file's coordinates and in its order. Those of rays that met nothing
         are not finite.
     columns : dict of str to (n,) or (n, k) array
-        What else there is, by name, in the types of the file: ``intensity``, ``normal``, ...
+        All other fields, by name, in the types of the file: ``intensity``, ``normal``, ...
     """
 
     positions: npt.NDArray[np.float64]

@@ -170,9 +170,9 @@ class Lidar(PatternSensor):
             With all returns: how many of a beam are told at most, the nearest. Then
             ``number_of_returns`` is no larger.
         min_range, max_range : float
-            Ranges are beyond ``min_range`` and up to ``max_range``, in scene units. What is nearer
-            blocks its line, whatever ``returns`` says: the scanner sees neither that nor what is
-            behind.
+            Ranges are beyond ``min_range`` and up to ``max_range``, in scene units. A nearer
+            surface blocks its line, whatever ``returns`` says: the scanner sees neither that nor
+            what is behind.
         intensity : bool
             Whether each return has an intensity: the mean over the beam's lines of the luminance
             (Rec. 709) of the surface's ``base_color`` times the cosine of incidence. It does not

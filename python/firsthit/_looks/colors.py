@@ -32,7 +32,7 @@ class Colors:
     Parameters
     ----------
     by : str or (n,) array_like of float
-        What gives the numbers: the name of an attribute of the meshes, ``"NAME"`` or
+        The source of the numbers: the name of an attribute of the meshes, ``"NAME"`` or
         ``"attribute:NAME"``, of several numbers the length of their vector; ``"object"``,
         ``"face"``, ``"height"`` or ``"incidence"``; or a number for each object of the scene.
     map : str, optional

@@ -53,7 +53,7 @@ class Environment:
         By how many degrees it is turned about up, counter-clockwise seen from above; or about any
         axis.
     strength : float
-        What its radiance is multiplied by.
+        The factor of its radiance.
     seen : bool
         Whether pictures show it in place of the background. It lights in any case.
     up : (3,) array_like, optional

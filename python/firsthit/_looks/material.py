@@ -36,10 +36,10 @@ class Texture:
         Red, green and blue as sRGB, and a linear alpha; without alpha the texture is opaque. Row 0
         is the top row.
     wrap : {"repeat", "mirror", "clamp"} or two of them
-        What is beyond the edges: beyond the left and the right one, and beyond the top and the
+        The picture beyond the edges: beyond the left and the right one, and beyond the top and the
         bottom one.
     filter : {"linear", "nearest"}
-        What is between texels: their weighted mean in linear light, or the nearest texel.
+        The colour between texels: their weighted mean in linear light, or the nearest texel.
     picture_from_uv : (2, 3) array_like, optional
         The affine map from (u, v, 1) to the image's coordinates, which run from 0 at the left to 1
         at the right, and from 0 at the top to 1 at the bottom. If left out, it is (u, 1 - v).
@@ -172,7 +172,7 @@ class Material:
     alpha_texture : Texture, optional
         Alpha alone, in place of the alpha of ``texture``.
     alpha_mode : {"opaque", "mask", "blend"}
-        What alpha does. ``opaque``: nothing. ``mask``: it is an alpha mask; where it is below
+        The meaning of alpha. ``opaque``: nothing. ``mask``: it is an alpha mask; where it is below
         ``cutoff`` the surface is cut out, and rays do not meet it. ``blend``: the surface is
         translucent in colours; other channels and rays meet it as if it were opaque.
     cutoff : float
@@ -184,7 +184,7 @@ class Material:
     name : str
         A name, which changes no picture: `Hits.names` has it. It need not be unique.
     kind : {"matte", "metal-rough", "glass"}, optional
-        What the surface is made of. If left out, it is ``matte``, or ``metal-rough`` where one of
+        The model of the surface. If left out, it is ``matte``, or ``metal-rough`` where one of
         the numbers from ``metallic`` to ``sheen_roughness`` is given. Those, and ``absorption``,
         are ``None`` in materials of a kind that does not have them.
     metallic : float, optional

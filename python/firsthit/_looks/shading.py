@@ -89,7 +89,7 @@ def _value(name: str, domains: dict[str, str], value: Any) -> Setting:
 class Shading:
     """The default shading of hits: see `Scene.shading`. Immutable.
 
-    What is ``None`` is decided by the scene and the camera, as `render` says.
+    A field that is ``None`` is decided by the scene and the camera, as `render` says.
 
     Parameters
     ----------

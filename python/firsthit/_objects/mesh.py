@@ -163,7 +163,7 @@ class Mesh(Shape):
         Mesh
             With its texture coordinates, with its colours, which are sRGB, and with its attributes
             of vertices and faces (`vertex_properties`, `face_properties`); from PyVista and Open3D
-            with the normals of its vertices, if it has some. What is no polygon is left out. The
+            with the normals of its vertices, if it has some. Lines and points are left out. The
             material is for objects, see `Scene.add`.
 
         Raises

@@ -107,8 +107,8 @@ class Built:
     ) -> Built:
         """Return what rays of one mask are shot at, where there is one, and of some objects.
 
-        All objects are in it, and those that are not met are hidden. What is translucent is cut out
-        below an alpha, if there is one.
+        All objects are in it, and those that are not met are hidden. A translucent surface is cut
+        out below an alpha, if there is one.
         """
         if objects is None and blend_below is None and (mask is None or np.ndim(mask)):
             return self

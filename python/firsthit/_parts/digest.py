@@ -81,7 +81,7 @@ def of_stream(file: BinaryIO) -> str:
 def canonical(value: Any) -> bytes:
     """Return a value as JSON without blanks, its keys in their order; a ``ValueError`` for NaN.
 
-    What is read from it has them in the same order, and is the same text again.
+    A value read from it has them in the same order, and gives the same text again.
     """
     try:
         text = json.dumps(value, separators=(",", ":"), allow_nan=False)

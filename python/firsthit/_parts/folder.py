@@ -34,7 +34,7 @@ def in_words(ranges: Sequence[range]) -> str:
 class Parts:
     """The parts of a job in a folder, of which any may be missing.
 
-    What it does takes time and memory by the parts that are there, not by those that there will be.
+    Its work takes time and memory by the parts that are there, not by those that there will be.
     All records name the job, by its digest.
     """
 
@@ -69,7 +69,7 @@ class Parts:
     def whole(self, wanted: range, *, verify: bool) -> bytearray:
         """Return of each of some parts, up to the last that is whole, whether it is whole.
 
-        What is not is removed.
+        Those that are not are removed.
         """
         found = bytearray()
         for number in self.there():

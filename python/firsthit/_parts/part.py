@@ -76,7 +76,7 @@ def writing(path: Path) -> Iterator[Writing]:
     part = Writing(beside)
     try:
         try:
-            # What is above it is there: a worker without it would write to a place of its own.
+            # The folder above it is there: a worker without it would write to a place of its own.
             beside.mkdir()
             yield part
             for file in _files(beside):

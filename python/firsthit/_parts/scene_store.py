@@ -85,7 +85,7 @@ class SharedScene:
             return
         assert self._scene is not None
         if not _is_there(path, self.mark):
-            # What was read is not written over.
+            # The file that was read is not written over.
             path.unlink(missing_ok=True)
             self._scene.save(path)
         self.path = path

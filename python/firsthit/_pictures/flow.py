@@ -40,8 +40,8 @@ class Flow(NamedTuple):
     flow : (rows, columns, 2) array of float64
         From the pixel's centre to where the same point is in the second picture: columns to the
         right, then rows down. NaN for a miss, for what is gone, and where the second projection
-        does not see the point, as behind it, or in no line of a moving camera. What crosses the
-        seam of a panorama flows nearly its whole width.
+        does not see the point, as behind it, or in no line of a moving camera. A point that crosses
+        the seam of a panorama flows nearly its whole width.
     occluded : (rows, columns) array of bool
         Whether something in the second scene is before the point, or it is gone there. False for a
         miss.
@@ -165,8 +165,8 @@ def optical_flow(
 
     The place is bracketed between two lines, and found to 1e-10 of a line by false position. Where
     a point does not draw near its line all the time, as 17 lines and those beside the poses of the
-    trajectory tell, all lines are tried. What passes a line to and fro between two middles is not
-    seen to pass.
+    trajectory tell, all lines are tried. A point that passes a line to and fro between two middles
+    is not seen to pass.
 
     Examples
     --------
@@ -187,7 +187,7 @@ def optical_flow(
     points, moved = _carried(hits, hits._built.objects, objects)
     seen = sight(camera1, points)
     occluded, outside = _sighted(scene1, camera1, seen, points, hits, threads)
-    # What is gone has no place to be seen at.
+    # A removed object has no place to be seen at.
     occluded |= (hits.object >= 0) & ~np.isfinite(points).all(axis=-1)
     return Flow(seen.pixels - _centres(camera0), occluded, outside, moved)
 

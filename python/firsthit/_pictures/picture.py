@@ -133,8 +133,8 @@ class Picture(NamedTuple):
     def frames(self, progress: Progress | None) -> Iterator[Frame]:
         """Make it with 1, 2, 4, ... samples, up to as many as it has.
 
-        What no picture can be is refused at once: a pixel is made. All else is made when it is
-        asked for.
+        Settings that make no picture are refused at once: a pixel is made. All else is made when it
+        is asked for.
         """
         check(progress)
         warn_before_viewplane(self.native, self.camera)
@@ -329,7 +329,7 @@ def _look(said: Shading, given: dict[str, Any]) -> Shading:
             raise TypeError(f"environment must be an Environment or None, got {environment!r}")
         if given["light"] is not None:
             raise ValueError("environment and light exclude each other")
-        # What a scene says of lights that go with the camera is about its own light.
+        # A scene's word on lights that go with the camera is about its own light.
         said = said._without_light()
     shade, ambient = given["shade"], given["ambient"]
     shader: ShaderName | Shader | None = said.shade

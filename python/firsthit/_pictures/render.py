@@ -123,8 +123,8 @@ def render(
         one with an aperture is taken for a pinhole. If left out, `Scene.edges`, and where that is
         ``None`` there are none over the colours. ``False`` draws none whatever the scene has.
     objects : int, str, or sequence of them, optional
-        What is there, by identifiers or names. The others are not in the picture, and cast no
-        shadows.
+        The objects that are there, by identifiers or names. The others are not in the picture, and
+        cast no shadows.
     blend_below : float, optional
         Take translucent surfaces of meshes (alpha mode ``blend``) as cut out where their alpha is
         below this, from 0 to 1, and as opaque elsewhere: in all channels, for colours too. If left

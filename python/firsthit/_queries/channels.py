@@ -383,7 +383,7 @@ class Channels:
         threads : int, optional
             The number of threads; as many as the rays were shot with if left out.
         progress : bool or callable, optional
-            As for `Scene.shoot`. What was looked up before reports nothing.
+            As for `Scene.shoot`. An attribute that was looked up before reports nothing.
         out : array, optional
             As for `Hits.channel`.
 

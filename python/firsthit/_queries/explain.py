@@ -120,7 +120,7 @@ class Explanation:
         Returns
         -------
         dict
-            What ``firsthit probe --json`` prints but for warnings and guesses: pixel, ray, fault,
+            The output of ``firsthit probe --json`` but for warnings and guesses: pixel, ray, fault,
             hit, behind, behind_count, counts, candidates. Numbers that are not finite are ``None``.
         """
         return copy.deepcopy(self._record)

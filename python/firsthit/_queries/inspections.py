@@ -54,7 +54,7 @@ class Inspections(Traceable):
         normal : (3,) array_like
             The direction at right angles to it, of any length but zero.
         rule : {"nonzero", "parity"}
-            What is inside, see `inside`.
+            The rule of the inside, see `inside`.
         objects : int, str, or sequence of them, optional
             Cut these only, by identifiers or names; all but hidden ones if left out.
         threads : int, optional
@@ -173,7 +173,7 @@ class Inspections(Traceable):
     ) -> Explanation:
         """Explain one ray.
 
-        What it meets first and the surface there, why each other object is not that, and what lies
+        The first hit and the surface there, why each other object is not that, and what lies
         behind. It agrees to the bit with `shoot` and `shoot_all`.
 
         Parameters

@@ -78,7 +78,7 @@ class PointQueries(Traceable):
     ) -> npt.NDArray[np.bool_]:
         """Tell whether points see each other: whether nothing is on the line between them.
 
-        The answer does not depend on which of the two comes first, to the bit. What is at an end
+        The answer does not depend on which of the two comes first, to the bit. A surface at an end
         hides nothing, for points of a surface are rounded to one side of it or the other: what is
         nearer to an end than 2^-40 of the ends' largest coordinate, some 1e-12 of it, and the
         surfaces of ends that are `Hits`. So two points of a solid's surface see each other through
@@ -95,10 +95,11 @@ class PointQueries(Traceable):
             The object and primitive on which each point of an array lies, -1 where there is none.
             It hides nothing, also where the line is nearly along it.
         tolerance : float
-            What is nearer to either end than this hides nothing, in scene units: the error of
+            Surfaces nearer to either end than this hide nothing, in scene units: the error of
             points that are rounded, as to float32.
         objects : int, str, or sequence of them, optional
-            What may be in the way, by identifiers or names: no other object hides anything.
+            The objects that may be in the way, by identifiers or names: no other object hides
+            anything.
         blend_below : float, optional
             As for `shoot`.
         threads, progress
@@ -162,7 +163,7 @@ class PointQueries(Traceable):
         """Measure how thick objects are at points of their surfaces.
 
         It is the distance along a ray from the surface to where the ray comes out of the same
-        object, or if it starts outside, into it. What is inside is as for `inside`; of an open mesh
+        object, or if it starts outside, into it. The inside is that of `inside`; of an open mesh
         it is where the ray next meets it. The ray leaves the surface exactly, as `Hits.leave` has
         it. Other objects do not count.
 
@@ -176,7 +177,7 @@ class PointQueries(Traceable):
             left out, inwards: against the geometric normal, or along it in a mesh that is turned
             inside out.
         rule : {"nonzero", "parity"}
-            What is inside of closed meshes, see `inside`.
+            The rule of the inside of closed meshes, see `inside`.
         objects : int, str, or sequence of them, optional
             The only objects that are there, by identifiers or names; all by default. Points are
             brought to their surfaces, and hits on other objects have the thickness ``inf``.
@@ -348,8 +349,8 @@ class PointQueries(Traceable):
         Distances are those of world space, also to objects whose transforms stretch. At the same
         distance the lower (object, primitive) is nearer: the squares of the distances are compared,
         as float64. The distance to a mesh is off by a few units in the last place; that to other
-        shapes by a few 2^-53 of the shape's size. What a material cuts out is measured like any
-        other surface.
+        shapes by a few 2^-53 of the shape's size. A part that a material cuts out is measured like
+        any other surface.
 
         Parameters
         ----------
@@ -433,7 +434,7 @@ class PointQueries(Traceable):
         points, objects, threads, progress
             As for `closest_point`.
         rule : {"nonzero", "parity"}
-            What is inside of closed meshes, see `inside`.
+            The rule of the inside of closed meshes, see `inside`.
         allow_open : bool
             Take open meshes and those with parts cut out, too: their winding number gives the sign,
             which is not exact near gaps. Planes and discs have no inside.

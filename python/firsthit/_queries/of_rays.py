@@ -355,14 +355,14 @@ class RayQueries(Traceable):
     ) -> npt.NDArray[np.float64]:
         """Measure how much of each ray is inside the scene's objects.
 
-        Each crossing of a closed object is there once, at edges and corners too. What is inside is
-        as for `inside`.
+        Each crossing of a closed object is there once, at edges and corners too. The inside is
+        that of `inside`.
 
         Parameters
         ----------
         origins, directions, t_min, t_max, threads, progress
             As for `shoot`, but for `LeavingRays`: a length does not depend on which surface the ray
-            leaves. What lies outside the limits does not count.
+            leaves. The ray outside the limits does not count.
         by : {"object", None}
             ``"object"`` measures each object by itself; ``None`` measures all together, where a
             stretch in several objects counts once.

@@ -357,9 +357,9 @@ class Changes(Traceable):
     def _build(self, report: Report | None) -> Built:
         """Build what there is now, and remember it.
 
-        A signal's handler or another thread may add and move objects at any step. What this build
-        lacks must make it out of date for `_current`. A move that is in and counts as new does no
-        harm: it is made again.
+        A signal's handler or another thread may add and move objects at any step. Changes that this
+        build lacks must make it out of date for `_current`. A move that is in and counts as new
+        does no harm: it is made again.
         """
         last = self._last
         if last is not None and last.moves is self._moves and self._is_all_in(last.built):

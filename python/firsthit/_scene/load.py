@@ -65,12 +65,12 @@ def load(
     units : {"um", "mm", "cm", "m", "km", "in", "ft"}, optional
         The unit of a mesh file's or a model's lengths: they become metres.
     scale : float
-        What all lengths of a mesh file or a model are multiplied by, after ``units``. Its lights
+        The factor of all lengths of a mesh file or a model, after ``units``. Its lights
         are as bright on its surfaces as before. Scene files and built scenes have lengths of their
         own: a scene file says ``units`` for each file that it names.
     resources : path-like or iterable of path-like
         Folders whose files the file may name, as textures, beside those of its own folder: one that
-        names ``../textures/wood.png`` needs ``resources=".../textures"``. What is not found by its
+        names ``../textures/wood.png`` needs ``resources=".../textures"``. A file not found by its
         whole name is looked for there by the last part of it. Nothing else is opened.
     build : {"auto", "fast", "best"}
         How the trees over meshes are built, see `Scene`. A ``.fhs`` file has its own.
@@ -136,7 +136,7 @@ def open(  # noqa: A001 - fh.open
     """Open a scene that `Scene.save`, or ``firsthit build``, wrote to a ``.fhs`` file.
 
     On Linux the file is mapped into memory as it is, with its trees, and processes that open the
-    same file share it. Nothing is built. What is indexed is checked, so that no file does harm. The
+    same file share it. Nothing is built. All indices are checked, so that no file does harm. The
     answers are those of the scene that was saved, to the last bit.
 
     Parameters

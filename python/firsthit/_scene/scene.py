@@ -131,10 +131,9 @@ class Scene(Changes, RayQueries, PointQueries, Inspections):
             a ``trimesh.Scene``: each of its nodes with a mesh becomes an object with the node's
             name and transform, and nodes that share a mesh go on sharing it. The colours of
             vertices and faces are taken, as sRGB, and so are the colour and the image of trimesh's
-            materials, and attributes of vertices and faces, see `Hits.attribute`. What is no mesh
-            is left out, with a warning.
-            Scenes of other packages do not say which way is up: set `up` if it is not +z, as for a
-            glTF file that trimesh has read, where it is +y.
+            materials, and attributes of vertices and faces, see `Hits.attribute`. Anything but
+            meshes is left out, with a warning. Scenes of other packages do not say which way is up:
+            set `up` if it is not +z, as for a glTF file that trimesh has read, where it is +y.
         name : str
             A name, which need not be unique; not for a scene, whose objects have their own.
         transform : (4, 4) or (3, 4) array_like, optional
@@ -407,7 +406,7 @@ class Scene(Changes, RayQueries, PointQueries, Inspections):
         background, environment, objects, shade, light, ground
             As for `render`. ``shade`` is no function of one's own.
         title : str
-            What the page calls it.
+            The page's name for it.
         engine : {"page", "kernel"}, optional
             Who computes the pictures. ``"page"``: firsthit in the page itself, as a WebAssembly
             module, with the scene; it works without a kernel, and the notebook is a few megabytes
@@ -420,7 +419,7 @@ class Scene(Changes, RayQueries, PointQueries, Inspections):
         Returns
         -------
         NotebookView
-            What notebooks show. Its ``save`` writes the page to a file.
+            The view that notebooks show. Its ``save`` writes the page to a file.
 
         Raises
         ------

@@ -295,7 +295,7 @@ def of_nerfstudio(document: _Table, size: tuple[int, int] | None) -> dict[str, C
         name = own.word("file_path", "")
         if name in made:
             raise ValueError(f"{own.where}.file_path is there twice: {name!r}")
-        # What a frame says itself goes before what the file says of all.
+        # A frame's own numbers go before the file's for all.
         both = _Table(document.value | own.value, own.where)
         made[name] = _nerfstudio_camera(both, size)
     return made

@@ -355,7 +355,7 @@ class Camera(ReadCameras):
             The directions of the picture's middle and of up, of any length but zero; not parallel.
         fov : float
             The field of view: up to 360 degrees, below 360 of ``stereographic``, up to 180 of
-            ``orthographic_fisheye``. What is beyond it is not seen.
+            ``orthographic_fisheye``. Points beyond it are not seen.
         rows, columns : int
             Pixels down and across.
         projection : str
@@ -405,8 +405,8 @@ class Camera(ReadCameras):
         Parameters
         ----------
         scene : Scene
-            What to see. Infinite objects do not count. For a scene without finite objects the
-            camera is placed as for a box from (-1, -1, -1) to (1, 1, 1).
+            The scene to see. Infinite objects do not count. For a scene without finite
+            objects the camera is placed as for a box from (-1, -1, -1) to (1, 1, 1).
         rows, columns : int, optional
             Pixels down and across. If one is left out, the picture is 4:3; if both are, it is 768
             rows of 1024.

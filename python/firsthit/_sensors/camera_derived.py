@@ -96,8 +96,8 @@ class DerivedCamera(CameraView):
             The diameter of the lens, a disc around ``position`` at right angles to ``aim``, in
             scene units; 0 for a pinhole.
         focus : float or (3,) array_like
-            What is sharp: the distance along ``aim`` of a plane parallel to the viewplane, or a
-            point of that plane in world space.
+            The place that is sharp: the distance along ``aim`` of a plane parallel to the
+            viewplane, or a point of that plane in world space.
 
         Returns
         -------

@@ -209,7 +209,7 @@ def decomposed(
     upper, rotation = upper * signs, signs[:, None] * rotation
     translation = np.linalg.solve(upper, signed[:, 3])
     k = upper / upper[2, 2]
-    # What rounding left below the diagonal.
+    # Rounding leaves numbers below the diagonal.
     k = np.triu(k)
     k[2, 2] = 1.0
     return k, np.column_stack([rotation, translation])

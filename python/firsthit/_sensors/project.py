@@ -1,6 +1,6 @@
 """Points to pixels, and pixels to rays, also beyond the picture's border.
 
-What annotations and flow know of the projections of one pose is here; `lines.py` has that of
+The projections of one pose, for annotations and flow, are here; `lines.py` has that of
 cameras that move.
 """
 

@@ -34,11 +34,11 @@ class Trajectory:
         How the body's axes are turned in the world: quaternions (x, y, z, w) of length one, within
         0.001, or matrices, which take its coordinates to the world's. Not turned if left out.
     interpolation : {"linear", "spline", "se3"}
-        What is between two poses. ``linear``: straight lines, and rotations by slerp. ``spline``:
+        The way between two poses. ``linear``: straight lines, and rotations by slerp. ``spline``:
         natural cubic splines, whose velocity is continuous. ``se3``: screw motions, as of a body
         that turns and drives at constant rates.
     extrapolation : {"refuse", "hold"}
-        What is before the first and after the last pose: an error, or that pose.
+        The answer before the first and after the last pose: an error, or that pose.
     body : {"right-up-backwards", "right-down-forwards", "forwards-left-up"}
         Which ways the body's x, y and z point: those of this package's, OpenGL's and Blender's
         cameras; those of OpenCV's, COLMAP's, TUM's and KITTI's cameras; those of ROS (REP 103).

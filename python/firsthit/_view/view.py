@@ -63,7 +63,7 @@ class View:
     Attributes
     ----------
     address : str
-        The page's address, on 127.0.0.1. What stands behind ``#`` is the token that lets a page
+        The page's address, on 127.0.0.1. The part behind ``#`` is the token that lets a page
         ask: whoever has the whole address can look.
     """
 
@@ -146,7 +146,7 @@ def view(
     background, environment, objects, shade, light, ground
         As for `render`. ``shade`` is no function of one's own.
     title : str
-        What the page calls it.
+        The page's name for it.
     port : int
         The port, up to 65535; of 0 the system chooses one that is free.
     browser : bool

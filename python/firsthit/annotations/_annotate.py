@@ -56,8 +56,8 @@ def annotate(
 ) -> Annotations:
     """Annotate a picture of a scene with what is in it, exactly.
 
-    Every pixel is what the ray through its centre meets, as in `render` and `Scene.shoot`. What an
-    instance alone would look like is found by rays too, not by projecting its vertices.
+    Every pixel is what the ray through its centre meets, as in `render` and `Scene.shoot`. The view
+    of an instance alone is found by rays too, not by projecting its vertices.
     ``docs/annotations.md`` says what each number means, and what formats make of it.
 
     Parameters
@@ -65,7 +65,7 @@ def annotate(
     scene : Scene
         The scene.
     camera : Camera, RollingShutter or Pushbroom
-        The camera. What a moving one has no number for is NaN or ``None``, and its boxes in space
+        The camera. A number that a moving one has not is NaN or ``None``, and its boxes in space
         are of the pose at its middle line.
     frame : Frame, optional
         The same picture with the channel ``object``, if there is one already.
@@ -73,21 +73,21 @@ def annotate(
         The classes of objects. Of a mapping the keys are names of objects or their nodes, or
         patterns such as ``"car*"``; names come before patterns, and of these the first that fits
         counts. A key with a slash is compared with the paths of nodes, too. A function gets the
-        `Object`. What has no class (``None``, or no key) is no instance, but hides others. If left
-        out, every object is an instance, whose class is its name.
+        `Object`. An object without a class (``None``, or no key) is no instance, but hides others.
+        If left out, every object is an instance, whose class is its name.
     by : {"object", "node"} or callable
-        What is one instance: each object, or all objects of a node of a file. Or the objects for
-        which a function of the `Object` returns the same; those for which it returns ``None`` are
-        of no instance.
+        The meaning of an instance: each object, or all objects of a node of a file. Or the objects
+        for which a function of the `Object` returns the same; those for which it returns ``None``
+        are of no instance.
     keypoints : mapping of str or int to Keypoints or mapping, optional
         The points of the instances of a class, by its name, or of the instance that has an object,
         by its identifier. A mapping of names to points stands for `Keypoints` in the frame of the
         object.
     unseen : bool
         Whether instances are listed that no pixel shows: what is behind others or beyond the
-        border. What `Scene.hide` hides is not there at all.
+        border. Objects hidden by `Scene.hide` are not there at all.
     objects : int, str, or sequence of them, optional
-        What is there, by identifiers or names, as for `render`.
+        The objects that are there, by identifiers or names, as for `render`.
     threads : int, optional
         The number of threads; all cores if left out. The result is the same for any number.
 

@@ -173,7 +173,7 @@ class Annotations:
     instances : tuple of Instance
         In the order of their first objects.
     occlusions : tuple of Occlusion
-        What hides which of these, in the order of what is behind, then of the objects in front.
+        The objects that hide these, in the order of what is behind, then of the objects in front.
     classes : tuple of str
         All classes: those of the table in its order, or else those of the scene's instances.
     instance : (rows, columns) array of int32
@@ -258,7 +258,7 @@ class Annotations:
         Returns
         -------
         dict
-            What COCO's JSON holds.
+            The content of COCO's JSON.
 
         Raises
         ------

@@ -61,7 +61,7 @@ def save_bop(
     object_ids : mapping of str to int, optional
         The number of each class's model, from 1. If left out, classes count from 1.
     depth_scale : float
-        What the numbers of the depth pictures beside it are to be multiplied by for millimetres.
+        The factor from the numbers of the depth pictures beside it to millimetres.
 
     Raises
     ------

@@ -283,7 +283,7 @@ def diameter(points: Floats) -> float:
     for _ in range(3):
         away = np.linalg.norm(points - start, axis=1)
         best, start = float(away.max()), points[away.argmax()]
-    # What is nearer to the middle is in no pair that is farther apart.
+    # A point nearer to the middle is in no pair that is farther apart.
     points = points[radius >= best - radius.max()]
     # The two ends of such a pair are at the ends along the direction that is nearest to theirs.
     for way in _spread(_DIRECTIONS):

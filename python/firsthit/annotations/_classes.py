@@ -138,7 +138,7 @@ def _key(by: By) -> Callable[[int, Object], Hashable]:
     if by == "object":
         return lambda identifier, _: identifier
     if by == "node":
-        # What no node holds is an instance by itself.
+        # An object in no node is an instance by itself.
         return lambda identifier, made: made._labels[0] or identifier
     if not callable(by):
         raise ValueError(f"by must be 'object', 'node' or a function, got {by!r}")

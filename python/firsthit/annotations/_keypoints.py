@@ -40,7 +40,7 @@ class Keypoints:
         The points by name, in the order in which they are written. One that has NaN is not
         labelled.
     frame : {"object", "world"}
-        What the points are in: the frame of the instance's first object, as `Object.transform`
+        The space of the points: the frame of the instance's first object, as `Object.transform`
         takes it to the world, or the world.
     skeleton : sequence of pair of str
         The names of points between which lines are drawn.

@@ -126,7 +126,7 @@ class _Ways:
                 outer.append(edge)
                 continue
             # From the hole to the left, along the upper edges of pixels, to where the mask ends.
-            # What lies there begins farther left, so that no holes are joined in a circle.
+            # The outline there begins farther left, so that no holes are joined in a circle.
             x, y = points[edge]
             gaps = np.flatnonzero(~mask[y, :x])
             border = int(gaps[-1]) + 1 if len(gaps) else 0

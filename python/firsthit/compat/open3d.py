@@ -51,7 +51,7 @@ class RaycastingScene:
     device : str or open3d.core.Device
         ``"CPU:0"``: there is no other.
     rule : {"nonzero", "parity"}
-        What is inside a mesh, see `firsthit.Scene.inside`.
+        The rule of the inside, see `firsthit.Scene.inside`.
 
     Raises
     ------
@@ -290,7 +290,7 @@ class RaycastingScene:
         """Tell which points are inside, as 1 and 0.
 
         A point is inside if it is inside an odd number of the meshes: a mesh within another is a
-        hollow. What is inside a single mesh is as for `firsthit.Scene.inside`.
+        hollow. The inside of a single mesh is that of `firsthit.Scene.inside`.
 
         Parameters
         ----------

@@ -56,7 +56,7 @@ class RayMeshIntersector:
         Taken for code that was written for trimesh's Embree, and without effect: everything is
         computed in float64, so that no mesh need be scaled.
     rule : {"nonzero", "parity"}
-        What is inside, see `firsthit.Scene.inside`.
+        The rule of the inside, see `firsthit.Scene.inside`.
     """
 
     def __init__(
@@ -229,7 +229,7 @@ class ProximityQuery:
     mesh : trimesh.Trimesh, or anything with ``vertices`` and ``faces``
         It may be changed later: it is asked before each query whether it is still the same.
     rule : {"nonzero", "parity"}
-        What is inside, see `firsthit.Scene.inside`.
+        The rule of the inside, see `firsthit.Scene.inside`.
     """
 
     def __init__(self, mesh: MeshLike, *, rule: FillRule = "nonzero") -> None:
@@ -300,7 +300,7 @@ class ProximityQuery:
         -------
         (n,) array of float64
             The distances: positive for points inside the mesh, and for those within 1e-8 of its
-            surface; negative for those outside. What is inside is as for
+            surface; negative for those outside. The inside is that of
             `RayMeshIntersector.contains_points`.
         """
         asked = _points(points)

@@ -40,7 +40,7 @@ if TYPE_CHECKING:
 class FrameMaker:
     """Makes a frame of a plan in a folder that is there.
 
-    What is made depends on the plan, the scene and the frame's number, and on nothing else.
+    The files depend on the plan, the scene and the frame's number, and on nothing else.
     """
 
     def __init__(self, plan: Plan, threads: int | None) -> None:

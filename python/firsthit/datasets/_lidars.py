@@ -70,7 +70,7 @@ def lidar(table: Table, name: str, folder: Path) -> LidarSensor:
     else:
         make = _of_pattern(table)
     with table.blaming():
-        # What is wrong with it is said before anything is made.
+        # Errors in it are told before anything is made.
         beams = make(0.0, {"pose": pose}).shape
         Lidar([0.0], [0.0]).moved(pose)
     return LidarSensor(name, make, pose, table.get("moving", False), options, beams, file)

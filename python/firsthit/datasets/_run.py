@@ -76,9 +76,9 @@ def dataset(
     out : path-like
         The folder; it is made.
     on : executor, or function that makes one, optional
-        What makes the frames: anything with ``submit`` as `concurrent.futures.Executor` has it, of
-        processes or of machines that share the folder, as for `render_many`. This process if left
-        out.
+        The maker of the frames: anything with ``submit`` as `concurrent.futures.Executor` has it,
+        of processes or of machines that share the folder, as for `render_many`. This process if
+        left out.
     part : pair of int, optional
         ``(k, n)``, k from 1 to n: make the k-th of n parts of the frames only. The parts of a plan
         may be made in any order, at the same time, and on several machines that share the folder.

@@ -56,7 +56,7 @@ class JobResult(NamedTuple):
         The sha256 over the digests of all parts in their order; ``None`` while some are missing. It
         is the same for any number of runs, workers, threads and machines.
     result
-        What a ``fold`` came to; ``None`` while parts are missing, and without one.
+        The result of a ``fold``; ``None`` while parts are missing, and without one.
     """
 
     parts: int
@@ -81,7 +81,7 @@ def shared(scene: Scene | str | os.PathLike[str]) -> SharedScene:
     """Return a scene for workers, of a scene or its file."""
     run = uuid.uuid4().hex
     if isinstance(scene, Scene):
-        # What is changed during the run is not in the job.
+        # Changes during the run are not in the job.
         kept = copy.copy(scene)
         return SharedScene(run, None, mark_of(kept), kept)
     path = Path(scene).absolute()
@@ -157,7 +157,7 @@ class Job:
         known = job_in(self.out, PARTS.folder) or begin_job(path, self._said)
         not_given = dict.fromkeys(name for name in known if name not in self._said)
         wanted = {**self._compared(), **not_given}
-        # What the digest is of tells more.
+        # The contents of the digest tell more.
         wanted["job"] = wanted.pop("job")
         refuse_other(path, known, wanted)
         remove_leftovers(self.out)

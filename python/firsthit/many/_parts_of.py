@@ -29,7 +29,7 @@ class JobState(NamedTuple):
     Attributes
     ----------
     job : dict
-        What ``job.json`` says: the scene, what the parts are of, the version that makes them.
+        The contents of ``job.json``: the scene, what the parts are of, the version that makes them.
     parts : int
         How many parts the job has.
     done : int
@@ -60,7 +60,7 @@ def parts(folder: str | os.PathLike[str], *, verify: bool = False) -> JobState:
     Returns
     -------
     JobState
-        What is there and what is missing.
+        The parts that are there and those that are missing.
 
     Raises
     ------
@@ -124,7 +124,7 @@ def found(out: Path, *, verify: bool) -> Found:
     if _is_stream(said):
         there = Parts(out, form, job, MOST_IN_A_STREAM).first(count)
     if (out / form.folder).is_symlink():
-        # What it leads to may be anything.
+        # The target of a link may be anything.
         raise FileFormatError._of(out / form.folder, "a link, not the folder of a job")
     whole = sorted(
         number

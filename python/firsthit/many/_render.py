@@ -138,9 +138,10 @@ def render_many(
     dtype : {float64, float32}, optional
         As for `render`.
     on : executor, or function that makes one, optional
-        What makes the parts: anything with ``submit`` as `concurrent.futures.Executor` has it, such
-        as ``dask_client.get_executor()`` or `firsthit.ray.executor`. With a function that makes
-        it, such as `many.processes`, a pool that breaks is made anew. This process if left out.
+        The maker of the parts: anything with ``submit`` as `concurrent.futures.Executor` has it,
+        such as ``dask_client.get_executor()`` or `firsthit.ray.executor`. With a function that
+        makes it, such as `many.processes`, a pool that breaks is made anew. This process if left
+        out.
     part : pair of int, optional
         ``(k, n)``, k from 1 to n: make the k-th of n ranges of parts only, as a task of a SLURM
         array does. They may be made at the same time, and in any order.
@@ -219,7 +220,7 @@ def render_many(
     }
     share = shared(scene)
     if len(views):
-        # What no picture can be is refused before a folder is made.
+        # Settings that make no picture are refused before a folder is made.
         corner = slice(0, 1), slice(0, 1)
         tried = {**look, "environment": environment}
         render(share.get(), views[0], channels=wanted, region=corner, threads=1, **tried)

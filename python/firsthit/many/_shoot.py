@@ -101,8 +101,9 @@ def shoot_many(
         The file of each part's hits: ``hits.npz`` has an array for each channel, ``hits.parquet``
         a column for each number, and takes the package ``pyarrow``.
     fold : callable with a method ``merge``, optional
-        What to keep instead of the hits: `many.Sum`, `Minimum`, `Histogram`, `Bits`, or a class of
-        your own, see `many.Fold`. The result, over all rays, is in ``out/fold.npz`` and returned.
+        The fold to keep instead of the hits: `many.Sum`, `Minimum`, `Histogram`, `Bits`, or a class
+        of your own, see `many.Fold`. The result, over all rays, is in ``out/fold.npz`` and
+        returned.
     part_size : int
         How many rays are a part. A part should take a second or more.
     cull, objects, blend_below

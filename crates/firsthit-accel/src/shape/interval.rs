@@ -1,6 +1,6 @@
 //! A convex solid along a ray: one stretch of the ray is inside.
 //!
-//! A solid that is the common part of simpler ones is cut out of the ray part by part. What remains
+//! A solid that is the common part of simpler ones is cut out of the ray part by part. The rest
 //! is a stretch with two ends, or nothing: so there is no seam between a lid and a side to slip
 //! through.
 

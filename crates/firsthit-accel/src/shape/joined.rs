@@ -97,7 +97,7 @@ impl<'a> Meshes<'a> {
         mesh.nearest_t(ray, &Crossing { primitive, ..*crossing })
     }
 
-    /// See [`Mesh::is_flat`]. What is known of the planes of joined meshes is known of each alone.
+    /// See [`Mesh::is_flat`]. The planes of joined meshes are known for each alone.
     #[inline(always)]
     pub fn is_flat(self) -> bool {
         self.one().is_some_and(Mesh::is_flat)

@@ -1,7 +1,7 @@
 //! The points of shapes that are nearest to a point, in the world.
 //!
 //! Distances do not survive a transform that stretches, so each shape measures in the world: it
-//! takes itself there first. What is compared between shapes is the square of the distance, as the
+//! takes itself there first. Shapes are compared by the square of the distance, as the
 //! float64 number that they say.
 
 mod ellipse;

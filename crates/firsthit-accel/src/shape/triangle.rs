@@ -365,12 +365,12 @@ fn side(p: DVec2, q: DVec2) -> f64 {
     if difference == 0.0 { side_of_equals(p, q, left, right) } else { difference }
 }
 
-/// [`side`] where both products round to the same number. What rounding took from each then
-/// decides, and a fused multiply-add gives that exactly. (Products that differ after rounding
+/// [`side`] where both products round to the same number. The part that rounding took from each
+/// then decides, and a fused multiply-add gives that exactly. (Products that differ after rounding
 /// differ in the same way before it, since rounding is monotonic.)
 #[cold]
 fn side_of_equals(p: DVec2, q: DVec2, left: f64, right: f64) -> f64 {
-    // What rounding took from a product this small may itself be too small for float64.
+    // The part that rounding took from a product this small may itself be too small for float64.
     if left.abs() < 1e-270 && p.abs().max(q.abs()).max_element() < 1e140 {
         let (p, q) = (p * HUGE, q * HUGE);
         let (left, right) = (p.x * q.y, p.y * q.x);

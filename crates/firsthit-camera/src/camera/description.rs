@@ -350,7 +350,7 @@ impl Description {
         if self.up.is_some() || !is_along {
             return view;
         }
-        // What maps do: north is up, and x goes to the right.
+        // As on maps, north is up, and x goes to the right.
         let up = if view.up.z == 0.0 { DVec3::NEG_Z } else { DVec3::Y };
         View { up, ..view }
     }
@@ -376,7 +376,7 @@ impl Description {
         };
         let camera = Camera::framing(seen_by, support)?;
         match self.opening {
-            // What was asked for stays as it was asked for.
+            // A given opening stays as it is.
             Some(Opening::Viewplane { .. } | Opening::Lens { .. }) => {
                 Camera::new(View { lens: view.lens, ..*camera.view() })
             }

@@ -15,7 +15,7 @@ pub(crate) struct LoadArgs {
     #[arg(long)]
     pub(crate) strict: bool,
     /// The memory that the file's content may take once it is unpacked, in bytes, or with K, M, G
-    /// or T for powers of 1024. What the content describes may take 256 times its size, plus 1/256
+    /// or T for powers of 1024. The described content may take 256 times its size, plus 1/256
     /// of this limit
     #[arg(long, value_name = "SIZE", value_parser = values::memory, default_value = "8G")]
     pub(crate) max_memory: u64,
@@ -36,8 +36,8 @@ pub(crate) struct LoadArgs {
     #[arg(long, value_name = "FACTOR", value_parser = values::factor)]
     pub(crate) scale: Option<f64>,
     /// A folder whose files the file may name, as textures, beside those of its own folder; may be
-    /// given several times. What is not found by its whole name is looked for by the last part of
-    /// it
+    /// given several times. A file that is not found by its whole name is looked for by the last
+    /// part of it
     #[arg(long, value_name = "FOLDER")]
     pub(crate) resources: Vec<PathBuf>,
     /// Allow the folder above the file's own too: ../textures/wood.png is read

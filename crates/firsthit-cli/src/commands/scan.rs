@@ -142,7 +142,7 @@ fn turns(
     }
     let pose = scanner.pose(&args.place, up)?;
     let classes = classes(args, &loaded.scene)?;
-    // What is wrong with the last turn is said before any is scanned.
+    // An error of the last turn is told before any is scanned.
     let first = scanner.at(0, pose)?;
     scanner.at(last, pose)?;
     warn(settings.warning().as_slice());

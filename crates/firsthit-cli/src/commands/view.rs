@@ -105,8 +105,8 @@ fn title(file: &Path) -> String {
     escaped(name)
 }
 
-/// Opens the default browser. What opens it is waited for aside: some browsers are that program
-/// themselves.
+/// Opens the default browser. The program that opens it is waited for aside: some browsers are that
+/// program themselves.
 fn open(address: &str) {
     let (program, before): (&str, &[&str]) = if cfg!(target_os = "macos") {
         ("open", &[])

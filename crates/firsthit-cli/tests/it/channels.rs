@@ -1,4 +1,4 @@
-//! What is in the files, number by number.
+//! The channels in files, number by number.
 
 use crate::support::{ABOVE, Array, Lab, SQUARE, array};
 

@@ -1,4 +1,4 @@
-//! What glTF files bring: cameras by name, lights, lists of what there is.
+//! The contents of glTF files: cameras by name, lights, and lists of all that they hold.
 
 use serde_json::{Value, json};
 

@@ -1,4 +1,4 @@
-//! What a file holds.
+//! The contents of a file, as `firsthit info` tells them.
 
 use std::io::{Cursor, Write};
 
@@ -130,7 +130,7 @@ fn the_environment_chooses_the_instruction_set() {
     assert_eq!(unknown.stderr.lines().count(), 1, "{}", unknown.stderr);
 }
 
-/// What JSON and text say of the environment of a scene file.
+/// The lines of JSON and text about the environment of a scene file.
 fn environment_of(lab: &Lab, text: &str) -> (Value, String) {
     lab.write("around.toml", text);
     let line = |said: &str| {

@@ -1,4 +1,4 @@
-//! What the program says to programs.
+//! The output for other programs.
 
 use serde_json::Value;
 

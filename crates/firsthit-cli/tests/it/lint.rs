@@ -1,4 +1,4 @@
-//! What is wrong with a file.
+//! The findings of `firsthit lint`.
 
 use serde_json::{Value, json};
 

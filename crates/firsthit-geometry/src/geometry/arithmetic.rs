@@ -1,6 +1,6 @@
 //! One way to write a computation for a single number and for lanes of them.
 //!
-//! What is computed for one ray and for eight at once must come to the same bits. Written once, it
+//! The results for one ray and for eight at once must come to the same bits. Written once, it
 //! does.
 
 #![allow(

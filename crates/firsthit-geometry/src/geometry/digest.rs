@@ -5,7 +5,7 @@ use super::DVec3;
 /// Makes a fingerprint of numbers: the same on every machine, because their bytes are
 /// little-endian.
 ///
-/// What is added has to say where it ends: add a [`count`](Self::count) before what may have any
+/// Each addition has to say where it ends: add a [`count`](Self::count) before what may have any
 /// length.
 #[derive(Debug, Clone, Default)]
 pub struct Digest(blake3::Hasher);

@@ -162,7 +162,7 @@ pub fn quotient<A: Arithmetic>(
 ) -> Double<A::Number> {
     let inverse = a.div(a.number(1.0), y.high);
     let first = a.mul(x.high, inverse);
-    // What is left of x: that has few digits, so hardly any are lost.
+    // The remainder of x: it has few digits, so hardly any are lost.
     let left = a.fused_neg_mul_add(first, y.high, x.high);
     let left = a.add(left, a.fused_neg_mul_add(first, y.low, x.low));
     sum_of_smaller(a, first, a.mul(left, inverse))

@@ -121,7 +121,7 @@ mod tests {
                 judge += exact(x) * exact(y) * exact(z);
             }
             assert_eq!(sum.sign(), judge.cmp(&exact(0.0)), "{products:?}");
-            // What is left when all is taken away again is nothing, and then a trifle decides.
+            // Nothing is left when all is taken away again, and then a trifle decides.
             for &[x, y, z] in &products {
                 sum.add([-x, y, z]);
             }

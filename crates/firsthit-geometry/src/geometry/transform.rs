@@ -20,7 +20,7 @@ use crate::error::{Error, Result};
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Transform {
     world_from_object: DAffine3,
-    /// The inverse's matrix. What it moves by follows from both maps.
+    /// The inverse's matrix. Its translation follows from both maps.
     object_from_world: DMat3,
     rounding: f64,
     is_identity: bool,

@@ -8,7 +8,7 @@
 //!    order of its own, and each of its coordinates is scrambled on its own. Both are Owen's nested
 //!    uniform scrambling, whose permutations are hashes (Burley, "Practical Hash-based Owen
 //!    Scrambling", Journal of Computer Graphics Techniques 9(4), 2020).
-//! 3. What is hashed is the pixel, the set and the coordinate. So a number depends on nothing but
+//! 3. The pixel, the set and the coordinate are hashed. So a number depends on nothing but
 //!    these and the sample: not on the order of the work, and not on how many samples there will
 //!    be.
 //!

@@ -3,7 +3,7 @@
 //!
 //! 1. Coordinates are steps from the lowest corner, of 1e-4 scene units or of ten times as much
 //!    until they reach.
-//! 2. What the format has no place for is in extra bytes behind each point.
+//! 2. Fields that the format has no place for are in extra bytes behind each point.
 //! 3. The metadata are a record behind the points, where it may be longer than 64 KiB, as that of a
 //!    long drive is.
 

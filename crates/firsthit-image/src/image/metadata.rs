@@ -198,7 +198,7 @@ impl Metadata {
             scan,
             scans,
         } = frame.origin.clone();
-        // What is made from all samples of a pixel.
+        // The channels that are made from all samples of a pixel.
         let of_samples =
             |channel: &&Channel| matches!(channel.display, Display::Color | Display::Matte);
         let has_samples = channels.iter().any(of_samples);

@@ -72,8 +72,8 @@ pub fn points_of(name: &Path, bytes: &[u8]) -> Result<Points> {
 }
 
 fn decoded(bytes: &[u8]) -> std::result::Result<Points, String> {
-    // What is not packed is as large in memory as its file, or eight times where its numbers are
-    // bytes.
+    // Points that are not packed are as large in memory as their file, or eight times where the
+    // numbers are bytes.
     let most = MOST_BYTES.max((bytes.len() as u64).saturating_mul(8));
     let is_pcd = ["# .PCD", "VERSION", "FIELDS"];
     let output = if bytes.starts_with(b"ply") {

@@ -45,7 +45,7 @@ pub(super) fn opened_stream(path: &Path, _watch: &dyn Watch) -> io::Result<File>
 pub(super) fn wait_for_room(file: &File) {
     use rustix::event::{PollFd, PollFlags, Timespec, poll};
     let patience = Timespec { tv_sec: 0, tv_nsec: PATIENCE.subsec_nanos().into() };
-    // What is wrong with the stream, the next write tells.
+    // The next write tells an error of the stream.
     let _ = poll(&mut [PollFd::new(file, PollFlags::OUT)], Some(&patience));
 }
 

@@ -30,7 +30,7 @@ impl Tones {
         }
     }
 
-    /// Fills `bytes` from premultiplied colours, four for each. What is shown is the colour that
+    /// Fills `bytes` from premultiplied colours, four for each. The colour shown is the one that
     /// alpha is divided out of.
     pub(super) fn apply_to_transparent(&self, values: &[f64], bytes: &mut [u8]) {
         let (pixels, _) = bytes.as_chunks_mut::<4>();

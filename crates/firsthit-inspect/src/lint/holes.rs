@@ -1,6 +1,6 @@
 //! Boundary edges: those with one face only.
 //!
-//! What is one surface in a file may be several objects, one for each material for example. So an
+//! One surface of a file may be several objects, one for each material for example. So an
 //! edge is no part of a hole if another object has an edge in its place, to the last bit, with
 //! another face: a copy of the face closes nothing.
 

@@ -1,7 +1,7 @@
 //! Faces that meet other faces of their mesh.
 //!
 //! A tree over the boxes of all faces gives the candidates. The face and a candidate are then
-//! judged exactly ([`meet`]). What one face has found about itself and another, the other need not
+//! judged exactly ([`meet`]). A pair that one face has found, the other need not
 //! find out again.
 
 use std::ops::ControlFlow;

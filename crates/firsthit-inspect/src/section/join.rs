@@ -2,8 +2,8 @@
 //!
 //! 1. Sort the ends of all segments by their edges.
 //! 2. At each edge, link the ends of segments with the starts of others, in the order of the
-//!    triangles. That is one of each where a mesh is closed and wound consistently. What is left
-//!    over, two starts or two ends, is linked in pairs, in the same order; and a last one stays
+//!    triangles. That is one of each where a mesh is closed and wound consistently. Ends left
+//!    over, two starts or two ends, are linked in pairs, in the same order; and a last one stays
 //!    open.
 //! 3. Follow the links from the first segment that is not in a polyline yet. Where they end, the
 //!    polyline is open; it then starts at the end that is found by going backwards.

@@ -68,7 +68,7 @@ pub(super) fn decode(
     charged.map_err(|fault| fault.into_error(report.source.path()).to_string())?;
     let mut reader = reader();
     let mut limits = Limits::default();
-    // What decoders need beside the result is of the same order.
+    // Decoders need memory of the same order beside the result.
     limits.max_alloc = Some(2 * u64::from(side).pow(2));
     reader.limits(limits);
     let texels = reader.decode().map_err(words)?.into_rgba8().into_raw();

@@ -46,7 +46,7 @@ impl ValueKind {
     }
 }
 
-/// The linear value of a level that is encoded as sRGB. What is not from 0 to 1 stays as it is:
+/// The linear value of a level that is encoded as sRGB. A level outside 0 to 1 stays as it is:
 /// [`sanitize_levels`] tells what it means.
 pub(super) fn linear(encoded: f64) -> f32 {
     if (0.0..=1.0).contains(&encoded) { single(srgb_decode(encoded)) } else { single(encoded) }

@@ -12,7 +12,7 @@ pub struct LoadSettings {
     /// names, and on the vertices, triangles and textures of all that. The trees of a scene come on
     /// top. Neither this nor `max_texture` limits a `.fhs` file that is mapped.
     ///
-    /// What a small file may describe is bounded by its size too: vertices, triangles, instances
+    /// The contents of a file are bounded by its size too: vertices, triangles, instances
     /// and names may take 256 times the bytes that were read, and 1/256 of `max_memory` beside. Of
     /// textures a sixteenth counts there.
     pub max_memory: u64,

@@ -194,7 +194,7 @@ impl TextReader {
                     self.name = Some(name).filter(|name| !name.is_empty());
                     return Ok(());
                 }
-                // What follows it is a name.
+                // The words after it are a name.
                 b"endsolid" => {
                     self.solid = None;
                     return Ok(());

@@ -10,7 +10,7 @@ use crate::scene::{Background, Coloring, Environment, EnvironmentKind, Light, Sc
 use crate::shade::{Direct, Ground, Lambert, LightRig, Lighting, Shader, Shading};
 use crate::shoot::Engine;
 
-/// The appearance of a picture. What is `None` is decided by the scene and the camera.
+/// The appearance of a picture. A field that is `None` is decided by the scene and the camera.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Appearance {
     /// The shader of hits. By default [`Direct`]; with the light [`LightRig::Shoulder`],

@@ -51,7 +51,7 @@ impl PixelShares {
     }
 
     /// Pairs of an identifier, as a float's bits, and its share of the samples: the largest first,
-    /// of equal ones the lower identifier. What there is no room for is left out.
+    /// of equal ones the lower identifier. Pairs without room are left out.
     fn write(&self, samples: u32, out: &mut [f32]) {
         let mut all = self.others.clone();
         all.extend((self.first.count > 0).then_some(self.first));

@@ -54,7 +54,7 @@ pub struct ScanSettings {
     pub range_gate: f64,
     /// With all returns: the most that are told of a beam, the nearest.
     pub max_returns: Option<usize>,
-    /// Ranges are beyond this. What is nearer blocks its line.
+    /// Ranges are beyond this. A nearer surface blocks its line.
     pub min_range: f64,
     /// The longest range.
     pub max_range: f64,

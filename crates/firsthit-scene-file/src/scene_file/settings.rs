@@ -15,7 +15,7 @@ use super::table::{Form, Key, Pick, Variant, optional};
 use crate::geometry::{Domain, Setting, SettingsSchema, Value};
 
 /// Makes `VARIANTS`: a table's variants, one for each of these kinds, with its settings and the
-/// keys that all of them have. What picks a variant is made of the kind's name.
+/// keys that all of them have. The key of a variant is made of the kind's name.
 macro_rules! variants {
     ($kinds:expr, |$name:ident| $pick:expr, $common:expr) => {
         const COUNT: usize = $kinds.len();

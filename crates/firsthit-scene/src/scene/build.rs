@@ -130,7 +130,7 @@ impl<'a> TreeBuilder<'a> {
 }
 
 /// The tree of each object: that of a group, or one for each mesh, however many objects share it.
-/// What the scene before knows is used again, unless it is asked for better.
+/// Trees of the scene before are used again, unless better ones are asked for.
 pub(super) fn object_trees(
     objects: &[Object],
     build: BuildSettings,

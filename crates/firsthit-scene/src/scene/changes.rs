@@ -9,8 +9,8 @@ use crate::geometry::Transform;
 use crate::watch::Watch;
 
 impl Scene {
-    /// Moves an object: its shape is taken to the world by another transform. What is shot at the
-    /// scene is answered as by one that is built anew. This takes microseconds: nothing is built
+    /// Moves an object: its shape is taken to the world by another transform. Rays at the
+    /// scene have the answers of one that is built anew. This takes microseconds: nothing is built
     /// but, now and then, the tree over the objects. A mesh that shares a tree with others in its
     /// space gets its own when it is first moved.
     ///
@@ -64,7 +64,7 @@ impl Scene {
             .map(|(&object, _)| object)
             .collect();
         let has_parted = self.part(&leaving, true, watch)?;
-        // What is where it was may share a tree still, and the box around all that do.
+        // Objects that are where they were may share a tree still, and its box.
         let moved: Vec<u32> = (moved.into_iter())
             .filter(|&object| self.trees[object as usize].group().is_none())
             .collect();

@@ -58,7 +58,7 @@ impl Duplicates {
                 self.is_duplicate[index as usize] = true;
                 self.of.entry(other).or_default().push(index);
             } else if earlier.len() < MOST && !object.has_cutouts() {
-                // What is cut out covers nothing.
+                // An object with cut-outs covers nothing.
                 earlier.push(index);
             }
         }

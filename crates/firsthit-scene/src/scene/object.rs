@@ -170,7 +170,7 @@ impl Object {
             (Shape::Mesh(mesh), Shape::Mesh(other)) => Arc::ptr_eq(mesh, other),
             (shape, other) => shape == other,
         };
-        // What is cut out hides no duplicate.
+        // An object with cut-outs hides no duplicate.
         let are_cut_alike = self.has_cutouts == other.has_cutouts;
         let are_seen_alike = are_cut_alike && self.is_hidden() == other.is_hidden();
         is_same && are_seen_alike && self.transform == other.transform

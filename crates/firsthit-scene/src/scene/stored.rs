@@ -32,8 +32,8 @@ impl Scene {
         &self.trees[object]
     }
 
-    /// The scene of these parts, as [`Scene::new`] makes it of its objects. What takes long to
-    /// find, the boxes and the duplicates, is taken as it is: what is wrong there makes wrong
+    /// The scene of these parts, as [`Scene::new`] makes it of its objects. The parts that take
+    /// long to find, the boxes and the duplicates, are taken as they are: errors there make wrong
     /// answers and no more.
     ///
     /// # Errors

@@ -3,7 +3,7 @@
 //!
 //! A ray goes through them in their exact order, so nothing has to be sorted.
 //!
-//! - What the camera sees is composed from the front to the back (Porter and Duff, "Compositing
+//! - The camera's picture is composed from the front to the back (Porter and Duff, "Compositing
 //!   Digital Images", SIGGRAPH 1984).
 //! - Light that goes through loses the share that each surface hides.
 //! - A ray that a surface draws, in a path, goes through by chance, as often as the surface lets
@@ -111,7 +111,7 @@ pub(super) fn transmitted(shading: &Shading<'_>, rays: &[Ray], filters: &[RayFil
             shares[ray] *= 1.0 - surface.opacity();
             if shares[ray] > LEAST {
                 let (on, mut filter) = onwards(&surface);
-                // What is left of the way, and what is at its end.
+                // The rest of the way, and the surface at its end.
                 filter.skip[1] = filters[k].skip[1];
                 let rest = rays[k].t_max - hit.t;
                 next.push(ray);

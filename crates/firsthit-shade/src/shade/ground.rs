@@ -111,7 +111,7 @@ impl Shadows {
     fn new(shading: &Shading<'_>, up: DVec3, points: &[Point]) -> Self {
         let mut shadows = Self {
             missing: vec![Color::ZERO; points.len()],
-            // What nothing blocks is there, and is never missing.
+            // Light that nothing blocks is never missing.
             full: vec![shading.shader.ambient(); points.len()],
             blocking: shading.scene.blocking_bounds().map(BlockerBounds::new),
         };
@@ -302,7 +302,7 @@ fn taken_of(arriving: &LightSample, up: DVec3) -> Color {
 }
 
 /// The side of the grid of a light's points over which its light is summed: more where a light is
-/// seen large, and its points are at different distances. What the ground takes is off by less than
+/// seen large, and its points are at different distances. The ground's light is off by less than
 /// a hundredth.
 fn side(light: &Light, point: &Point) -> u32 {
     let middle = light.sample(point.position, DVec2::splat(0.5));

@@ -8,8 +8,8 @@
 //!    sampling).
 //! 3. The surface that the ray meets is the next vertex. After some vertices a path continues by
 //!    chance only, the rarer the less it can bring, and counts as much more (Russian roulette; Arvo
-//!    and Kirk, "Particle Transport and Image Synthesis", SIGGRAPH 1990). What refraction takes of
-//!    its light does not count there, because leaving the medium gives it back.
+//!    and Kirk, "Particle Transport and Image Synthesis", SIGGRAPH 1990). The share that refraction
+//!    takes of its light does not count there, because leaving the medium gives it back.
 //!
 //! All paths of a batch take each step together, so that their rays are shot together.
 

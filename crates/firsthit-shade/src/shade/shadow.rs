@@ -23,8 +23,8 @@ impl ShadowRays {
         }
     }
 
-    /// A ray that brings light to the sum of that number. What is no number, as of lights beyond
-    /// the range of float64, is no light.
+    /// A ray that brings light to the sum of that number. A colour that is no number, as of lights
+    /// beyond the range of float64, is no light.
     #[inline]
     pub(super) fn push(&mut self, (ray, filter): (Ray, RayFilter), sum: usize, light: Color) {
         if !is_light(light) {

@@ -1,6 +1,6 @@
 //! Solids: which points are inside objects, how much of rays is, and how thick they are.
 //!
-//! What is inside is decided in one place for all of them; the caller chooses a [`FillRule`].
+//! The inside is decided in one place for all of them; the caller chooses a [`FillRule`].
 
 mod paths;
 mod thickness;

@@ -10,8 +10,8 @@
 //! rule out, so the answer is that of brute force, to the last bit, for any number of threads and
 //! on every instruction set.
 //!
-//! Distances are those of the world, also to objects whose transforms stretch. What a material cuts
-//! out is measured like any other surface.
+//! Distances are those of the world, also to objects whose transforms stretch. A part that a
+//! material cuts out is measured like any other surface.
 #![allow(
     clippy::inline_always,
     reason = "what is not inlined into a kernel is not compiled for its instruction set"

@@ -1,6 +1,6 @@
 //! Distances with a sign: negative inside.
 //!
-//! What is inside is as for `measure::inside`, which decides it exactly for closed meshes as they
+//! The inside is that of `measure::inside`, which decides it exactly for closed meshes as they
 //! are in their own space. A transform rounds the point and the ray; shapes that are no mesh are
 //! decided in float64.
 

@@ -210,7 +210,7 @@ impl Ordered {
             if let Some(scaled) = scaled {
                 let mut room = Ok(());
                 list.each(|node| {
-                    // What is in the list is a hit of the scaled ray, which may be out of float64's
+                    // The list has hits of the scaled ray, which may be out of float64's
                     // range for the ray.
                     if room.is_ok()
                         && let Some(hit) = scaled.hit(node.surface(), node.crossing)

@@ -2,7 +2,7 @@
 //!
 //! 1. The line of the ray, without ends, goes through the tree of a mesh, and every triangle that
 //!    it may touch is asked (`accel`'s `EachCandidate`). Other shapes are asked directly.
-//! 2. What the ray itself meets there, the code of [`BruteForce`](super::BruteForce) decides. The
+//! 2. The code of [`BruteForce`](super::BruteForce) decides what the ray itself meets there. The
 //!    first of it is kept.
 //! 3. Of what the line touches and the ray does not meet, one place and its reason are kept.
 

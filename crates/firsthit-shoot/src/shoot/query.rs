@@ -104,7 +104,7 @@ impl Query for Count {
     }
 }
 
-/// Memory for the answers of many rays, one for each; what is asked follows from it. What is in it
+/// Memory for the answers of many rays, one for each; what is asked follows from it. Its content
 /// before does not matter.
 #[derive(Debug)]
 pub enum Answers<'a> {

@@ -117,7 +117,7 @@ impl<'a, Q: RayQuery> SceneWalk<'a, Q> {
     }
 
     /// The next mesh, among the objects that are wanted; `None` at the end. Scene and walks are the
-    /// same each time. What a filtered ray does not meet of the mesh goes to `in_mesh`.
+    /// same each time. The triangles of the mesh that a filtered ray does not meet go to `in_mesh`.
     #[inline(always)]
     pub(super) fn next<L: Lanes>(
         &mut self,

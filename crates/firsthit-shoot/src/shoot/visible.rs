@@ -24,8 +24,8 @@ impl Viewpoint {
 
 /// Whether the two points of each pair see each other: whether nothing is between them.
 ///
-/// What is at an end does not count: the points of a surface are rounded, to one side of it or the
-/// other. So nothing counts within 2^-40 of the ends' largest coordinate from an end, measured
+/// A surface at an end does not count: the points of a surface are rounded, to one side of it or
+/// the other. So nothing counts within 2^-40 of the ends' largest coordinate from an end, measured
 /// along the longest axis of the line; at a coordinate of 1 that is 10^-12. Nor does anything
 /// nearer to an end than `tolerance`, in scene units, as for points that are rounded to float32.
 /// Nor does an end's [`surface`](Viewpoint::surface), also where the line is nearly along it.

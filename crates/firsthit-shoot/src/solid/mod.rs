@@ -55,13 +55,13 @@ named! {
     /// The rule for the points that a closed mesh holds, by how many times its surface goes around
     /// them. On meshes without overlaps, of which cavities face inwards, both rules agree.
     pub enum FillRule, "rule":
-        /// Any number of times but zero, either way around. What shells have in common is inside,
+        /// Any number of times but zero, either way around. The common part of shells is inside,
         /// and so is what is in copies of a shell; a mesh that is turned inside out holds the same
         /// points.
         #[default]
         "nonzero" => Nonzero;
         /// An odd number of times: a ray from there crosses the surface an odd number of times.
-        /// What two shells have in common is outside, whichever way they face.
+        /// The common part of two shells is outside, whichever way they face.
         "parity" => Parity;
 }
 

@@ -79,7 +79,7 @@ impl Results<'_> {
             l.fused_mul_add64(a, b, c),
             l.fused_mul_sub64(a, b, c),
             l.fused_neg_mul_add64(a, b, c),
-            // What rounding took from the product, or the sum of both.
+            // The part that rounding took from the product, or the sum of both.
             l.fused_mul_sub64(a, b, l.mul64(a, b)),
             l.fused_neg_mul_add64(a, b, b),
             l.select64(mask, a, b),

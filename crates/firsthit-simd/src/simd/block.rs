@@ -98,7 +98,8 @@ impl Drop for Block {
                 // SAFETY: the mapping is this block's alone, and every part of it holds the block.
                 let unmapped =
                     unsafe { rustix::mm::munmap(self.start.as_ptr().cast(), self.length) };
-                // What cannot be unmapped stays mapped: that costs addresses and nothing else.
+                // Memory that cannot be unmapped stays mapped: that costs addresses and nothing
+                // else.
                 unmapped.ok();
             }
         }

@@ -31,7 +31,7 @@ pub struct Aligned<T>(pub T);
 /// Sixteen float32 numbers, or eight float64 ones, at once.
 ///
 /// A value of the type proves that the machine has the instructions. Masks have lane 0 in bit 0.
-/// What the operations mean is written down in `portable.rs`.
+/// The meaning of each operation is written down in `portable.rs`.
 pub trait Lanes: Copy + Send + Sync {
     /// Whether kernels for many rays are compiled with these lanes. Without them each ray goes
     /// alone, and has the same answer.

@@ -270,7 +270,7 @@ impl Lanes for Neon {
     }
     #[inline(always)]
     fn same_sixteen(self, a: F, b: F) -> u16 {
-        // What differs is below the last four bits' end.
+        // The difference is below the last four bits' end.
         mask::<4>(from_fn(|k| {
             let differs = neon!(veorq_u32(bits(a[k]), bits(b[k])));
             neon!(vcltq_u32(differs, vdupq_n_u32(16)))

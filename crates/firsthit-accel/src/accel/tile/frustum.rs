@@ -217,7 +217,7 @@ impl TileFrustum {
         let error = error_of_sides + (off - rest);
         let along = TILE_DEPTH * reach + 4.0 * blur + off_along;
         let depth_error = sum(rows[2]) * along + TILE_MOVED * slid.abs();
-        // What a wrong Z comes to in X and Y, for each pixel from the tile's middle.
+        // The error of X and Y from a wrong Z, for each pixel from the tile's middle.
         let sideways = if camera.is_perspective {
             sum(rows[2]) * (TILE_SIDEWAYS * reach + 4.0 * blur)
         } else {

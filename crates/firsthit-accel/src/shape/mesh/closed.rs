@@ -179,7 +179,7 @@ mod tests {
         assert!(!is_closed(&points, &sides));
         sides.push([0, 4, 1]);
         assert!(is_closed(&points, &sides));
-        // What has no length is no edge.
+        // A side without a length is no edge.
         sides.extend([[0, 0, 0], [1, 1, 2]]);
         assert!(is_closed(&points, &sides));
     }

@@ -6,7 +6,7 @@
 //! 1. Sort the triangles by their planes as float64 computes them, rounded to 20 bits.
 //! 2. Of those with the same numbers each whose corners are in the plane of the first one, without
 //!    rounding, is said to be in that.
-//! 3. What lies on top of one another nearly in one plane is a crowd (`crowds.rs`).
+//! 3. Triangles on top of one another nearly in one plane are a crowd (`crowds.rs`).
 //!
 //! Triangles that are not said to lie in one plane may do so nevertheless: rounding may part them.
 

@@ -14,8 +14,8 @@ const NO_TRIANGLE: u32 = u32::MAX;
 /// All triangles.
 const ALL: [u32; 2] = [0, NO_TRIANGLE];
 
-/// The start at joined meshes of a ray that leaves a surface in another space. What rounds most
-/// decides (`shoot/filter.rs`), and that may be the mesh.
+/// The start at joined meshes of a ray that leaves a surface in another space. The largest rounding
+/// decides (`shoot/filter.rs`), and that may be the mesh's.
 #[derive(Debug, Clone, Copy)]
 #[doc(hidden)]
 pub struct Begin {

@@ -101,7 +101,7 @@ impl<'a> Bytes<'a> {
         Ok(count)
     }
 
-    /// Text up to a zero. What is not UTF-8 in it is replaced.
+    /// Text up to a zero. Bytes that are not UTF-8 are replaced.
     fn text(&mut self) -> Result<String> {
         let end = self.rest.iter().position(|&byte| byte == 0);
         let Some((text, [_, rest @ ..])) = end.and_then(|end| self.rest.split_at_checked(end))

@@ -145,7 +145,7 @@ impl<const N: usize> Brown<N> {
             let settles = of.lt(square(of, step[0], step[1]), allowed)
                 & of.lt(of.number(0.0), determinant)
                 & of.lt(square(of, next_x, next_y), most);
-            // What has settled stays, whatever its neighbours do.
+            // A settled point stays, whatever its neighbours do.
             x = of.select(settled, x, next_x);
             y = of.select(settled, y, next_y);
             settled = settled | settles;

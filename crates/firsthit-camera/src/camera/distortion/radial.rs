@@ -346,7 +346,7 @@ fn angle_by_newton<A: Arithmetic, const N: usize>(
         let settles = of.lt(of.max(step, negative(of, step)), allowed)
             & of.lt(of.number(0.0), slope)
             & of.lt(next, of.number(limit.undistorted));
-        // What has settled stays, whatever its neighbours do.
+        // A settled angle stays, whatever its neighbours do.
         angle = of.select(settled, angle, next);
         settled = settled | settles;
         if of.is_everywhere(settled) {

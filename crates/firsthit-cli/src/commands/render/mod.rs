@@ -41,7 +41,7 @@ pub(crate) fn run(args: &RenderArgs, progress: &Progress) -> Result<(), Failure>
     check(&args.camera)?;
     light::check(&args.light)?;
     inputs::note(&args.file);
-    // What is wrong with these is told before large files are read.
+    // Errors in these are told before large files are read.
     if let Some(path) = &args.picture.resume {
         check_state_file(path)?;
     }
@@ -179,7 +179,7 @@ pub(crate) fn asked_for(
     scene: Scene,
     camera: &Camera,
 ) -> Result<(Scene, Appearance), Failure> {
-    // What the file says of sets of lights is about its own light.
+    // The file's word on sets of lights is about its own light.
     let has_light = args.light.environment.is_some() || !args.light.light.is_empty();
     let rig = light::rig(args.light).or(model.rig.filter(|_| !has_light));
     let shader = shader::shader(args.light, model.shader.as_ref(), rig)?;

@@ -31,7 +31,7 @@ pub(super) fn shader(
             return Err(without_ambient(shader));
         }
         (None, Some(shader)) => shader.clone(),
-        // What goes with ambient light.
+        // The shader that goes with ambient light.
         (None, None) if args.ambient.is_some() => Shader::named(LAMBERT)?,
         (None, None) if is_silent => return Ok(None),
         (None, None) => default_shader(rig),

@@ -58,7 +58,7 @@ fn property(
     };
     let component = component(values.document, index)?;
     let is_share = accessor.normalized && component != Component::Float32;
-    // What float32 holds without a loss is kept as such.
+    // Numbers that float32 holds without a loss are kept as such.
     let is_double = is_share || component == Component::Uint32;
     let numbers = match shape.components {
         1 => numbers::<1>(values, (name, &shape), is_double, vertices)?,

@@ -39,7 +39,7 @@ const SHARE_OF_DIM: f64 = 1.0 / 16.0;
 /// A grid of directions, drawn more often where it is bright. Within a cell they are even by solid
 /// angle.
 ///
-/// What is drawn is what is brighter than the mean, and a little of everything: directions that
+/// Directions brighter than the mean are drawn, and a few of all: directions that
 /// surfaces choose by themselves find the rest (Karlík and others, "MIS Compensation: Optimizing
 /// Sampling Techniques in Multiple Importance Sampling", ACM Transactions on Graphics 38(6), 2019).
 #[derive(Debug, Clone, PartialEq)]

@@ -272,7 +272,7 @@ mod tests {
             let solid_angle = TAU / 600.0 * PI / 400.0 * libm::sin(PI * down);
             whole += solid_angle * luminance(map.radiance(towards(across, down)));
         }
-        // What is dim is drawn seldom, so this is a noisy sum.
+        // A dim direction is drawn seldom, so this is a noisy sum.
         assert!(error < 0.01 * whole, "{error} {whole}");
         assert!((mean - whole).abs() < 3.0 * error, "{mean} {whole} {error}");
     }

@@ -112,9 +112,9 @@ impl Environment {
     /// more often. `None` where surfaces choose directions as well: where the radiance is nearly
     /// the same from everywhere.
     ///
-    /// What is dim is drawn seldom. So the mean over the square is all the light, but a noisy one,
-    /// unless directions that surfaces choose count as well, each way by how [dense](Self::pdf) it
-    /// is.
+    /// A dim direction is drawn seldom. So the mean over the square is all the light, but a noisy
+    /// one, unless directions that surfaces choose count as well, each way by how
+    /// [dense](Self::pdf) it is.
     pub fn sample(&self, u: DVec2) -> Option<LightSample> {
         let (table, world_from_own) = self.kind.table()?;
         let (direction, pdf) = table.draw(u);

@@ -100,7 +100,7 @@ impl SurfaceInteraction<'_> {
         let to_world = self.object.transform().world_from_object().matrix3;
         let tangent = to_world * tangent;
         let tangent = unit(tangent - tangent.dot(normal) * normal);
-        // What a mirror does to normal and tangent it does not to their product.
+        // A mirror turns normal and tangent, and not their product.
         let is_mirrored = to_world.determinant() < 0.0;
         let sign = if is_flipped == is_mirrored { 1.0 } else { -1.0 };
         tangent.is_finite().then(|| (tangent, sign * normal.cross(tangent)))

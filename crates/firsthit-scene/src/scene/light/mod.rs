@@ -146,8 +146,9 @@ macro_rules! lights {
     ($($(#[doc = $about:literal])* $name:literal => $kind:ident($light:ty);)*) => {
         /// A light.
         ///
-        /// What its numbers say is what a matte white surface takes, so its colour in the picture:
-        /// for light of irradiance `E` that is `E / pi`. Lights with a surface say its radiance.
+        /// Its numbers are the light that a matte white surface takes, so its colour in the
+        /// picture: for light of irradiance `E` that is `E / pi`. Lights with a surface say its
+        /// radiance.
         ///
         /// ```
         /// use firsthit::scene::DirectionalLight;

@@ -2,7 +2,7 @@
 //!
 //! From there they go to memory in long rows, which it takes far faster; of large pictures past the
 //! caches, in whole cache lines only: a line written in two parts costs more than five whole ones.
-//! What is left of a row's last line waits for the square to the right.
+//! The rest of a row's last line waits for the square to the right.
 
 use std::ops::Range;
 

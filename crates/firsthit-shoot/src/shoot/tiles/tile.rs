@@ -160,7 +160,8 @@ impl<'a> TileTask<'a> {
             if !(placed.rows.contains(&row) && placed.columns.contains(&column)) {
                 continue;
             }
-            // What all pixels meet already is nearer, than the objects that come later too.
+            // All pixels meet something nearer already: nearer than the objects that come later,
+            // too.
             if placed.entry / self.unit > 1.000_001 * f64::from(buffer.limit(l)) {
                 break;
             }

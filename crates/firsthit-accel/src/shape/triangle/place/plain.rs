@@ -25,7 +25,7 @@
 //! - u |n| h: the rounding of `E` and `F`. As `r = v E + w F`, an error `e` of `E` comes to
 //!   `e.(F x r) = -v e.n`.
 //!
-//! What follows from that:
+//! It follows that:
 //!
 //! - The sum is at most u h (7 |n| + h^2). Where it is less than u |n.R|, `t` is off by less than
 //!   u |t| before its last rounding.

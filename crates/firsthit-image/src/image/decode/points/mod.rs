@@ -1,4 +1,4 @@
-//! Points, a file per format. What a binary file has are rows of numbers without padding: all
+//! Points, a file per format. A binary file has rows of numbers without padding: all
 //! formats become little-endian ones, and the columns of those are put together here.
 
 mod las;

@@ -48,7 +48,7 @@ fn read(bytes: &[u8], most: u64, takes_meshes: bool) -> Result<Output, String> {
             ["end_header"] => {
                 let mut output = header.read(rest, order, most)?;
                 if !others.is_empty() {
-                    // What follows the points is theirs.
+                    // The bytes after the points are theirs.
                     output.notes.retain(|note| !note.contains("bytes after"));
                     others.retain(|other| !other.starts_with("0 "));
                 }

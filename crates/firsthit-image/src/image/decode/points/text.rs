@@ -76,7 +76,7 @@ pub(in crate::image) fn text(bytes: &[u8]) -> Result<Output, String> {
         return Err("neither text nor a PLY, PCD, LAS, LAZ, NPY or NPZ".to_owned());
     }
     let mut table: Option<Columns> = None;
-    // What may be a line of names, or a number of points.
+    // A line of names perhaps, or a number of points.
     let mut before: Option<Vec<u8>> = None;
     let mut is_counted = false;
     for (number, line) in (1_u64..).zip(bytes.split(|&byte| byte == b'\n')) {
@@ -185,7 +185,7 @@ impl Columns {
                     let (name, got) = (shown(name.as_bytes()), shown(field));
                     return Err(format!("expected a number for {name}, got {got}"));
                 }
-                // What is not there.
+                // An empty field is a missing number.
                 None if field.is_empty() => Some(f64::NAN),
                 value => value,
             };

@@ -114,7 +114,7 @@ fn zenith_chromaticity(rows: [[f64; 4]; 3], turbidity: f64, angle: f64) -> f64 {
     (a * turbidity + b) * turbidity + c
 }
 
-/// XYZ as linear Rec. 709 with the white point D65 (ITU-R BT.709-6). What is outside of its colours
+/// XYZ as linear Rec. 709 with the white point D65 (ITU-R BT.709-6). A colour outside of it
 /// is cut off at 0.
 pub(super) fn linear(xyz: DVec3) -> Color {
     let rows = [

@@ -1,8 +1,8 @@
 //! The sun's brightness and colour through the air.
 //!
-//! The sun shines as a black body of 5,778 K does. What air takes away of it by scattering, at
+//! The sun shines as a black body of 5,778 K does. The loss by scattering in air, at
 //! molecules (Rayleigh) and at haze (Ångström), is as in Preetham, Shirley and Smits (1999),
-//! appendix A.1. What ozone, water and oxygen take away, a few hundredths, is left out.
+//! appendix A.1. The loss to ozone, water and oxygen, a few hundredths, is left out.
 
 use super::perez::linear;
 use crate::geometry::{Color, DVec3};
