@@ -16,7 +16,7 @@ from firsthit.typing import ChannelName, MatteName, NamedIdentifier
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
-    from typing import Self
+    from typing import Self, TypedDict, Unpack
 
     import numpy.typing as npt
 
@@ -32,6 +32,11 @@ if TYPE_CHECKING:
     )
 
     from .source import Source
+
+    class _How(TypedDict, total=False):
+        threads: int | None
+        progress: Progress | None
+
 
 _Out = TypeVar("_Out")
 
@@ -219,63 +224,31 @@ class Channels:
 
     @overload
     def channel(
-        self,
-        name: DistanceName,
-        *,
-        threads: int | None = None,
-        progress: Progress | None = None,
-        out: None = None,
+        self, name: DistanceName, *, out: None = None, **how: Unpack[_How]
     ) -> npt.NDArray[np.floating[Any]]: ...
 
     @overload
     def channel(
-        self,
-        name: AngleName | VectorName,
-        *,
-        threads: int | None = None,
-        progress: Progress | None = None,
-        out: None = None,
+        self, name: AngleName | VectorName, *, out: None = None, **how: Unpack[_How]
     ) -> npt.NDArray[np.float64]: ...
 
     @overload
     def channel(
-        self,
-        name: IdentifierName,
-        *,
-        threads: int | None = None,
-        progress: Progress | None = None,
-        out: None = None,
+        self, name: IdentifierName, *, out: None = None, **how: Unpack[_How]
     ) -> npt.NDArray[np.int32]: ...
 
     @overload
     def channel(
-        self,
-        name: Literal["front", "valid"],
-        *,
-        threads: int | None = None,
-        progress: Progress | None = None,
-        out: None = None,
+        self, name: Literal["front", "valid"], *, out: None = None, **how: Unpack[_How]
     ) -> npt.NDArray[np.bool_]: ...
 
     @overload
     def channel(
-        self,
-        name: Asked,
-        *,
-        threads: int | None = None,
-        progress: Progress | None = None,
-        out: None = None,
+        self, name: Asked, *, out: None = None, **how: Unpack[_How]
     ) -> npt.NDArray[Any]: ...
 
     @overload
-    def channel(
-        self,
-        name: Asked,
-        *,
-        threads: int | None = None,
-        progress: Progress | None = None,
-        out: _Out,
-    ) -> _Out: ...
+    def channel(self, name: Asked, *, out: _Out, **how: Unpack[_How]) -> _Out: ...
 
     def channel(
         self,
