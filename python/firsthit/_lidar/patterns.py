@@ -325,16 +325,10 @@ class PatternSensor(OtherSensor):
             H and V in degrees: up to 360 and 180.
         frequencies : pair of float
             f1 and f2, swings in a second.
-        points : int
-            How many points there are.
-        point_rate : float
-            Points in a second.
         phase : float
             Degrees.
-        start : float
-            The time of the first point, in seconds.
-        position, pose, trajectory
-            As for `Lidar`.
+        points, point_rate, start, position, pose, trajectory
+            As for `rosette`.
 
         Returns
         -------
@@ -344,7 +338,7 @@ class PatternSensor(OtherSensor):
         Raises
         ------
         ValueError, TypeError
-            As `Lidar`; also for numbers out of range.
+            As `rosette`.
         """
         arguments = (
             (number("horizontal_fov", horizontal_fov), number("vertical_fov", vertical_fov)),
