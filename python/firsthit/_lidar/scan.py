@@ -18,11 +18,9 @@ from firsthit._objects.traceable import Traceable
 from .lidar_scan import LidarScan, ScanOrigin, shaped
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     import numpy.typing as npt
 
-    from firsthit._objects.object import Object
+    from firsthit._objects.of_file import ObjectList
     from firsthit._scene.scene import Scene
     from firsthit.typing import ObjectKey, Progress, Returns, Rings
 
@@ -32,9 +30,7 @@ if TYPE_CHECKING:
 _MOST = 255
 
 
-def classes_of(
-    objects: Sequence[Object], classes: Mapping[ObjectKey, int]
-) -> npt.NDArray[np.int32]:
+def classes_of(objects: ObjectList, classes: Mapping[ObjectKey, int]) -> npt.NDArray[np.int32]:
     """Return the class of each object, 0 for those that are given none."""
     if not isinstance(classes, Mapping):
         raise TypeError(f"classes must be a dict of numbers by object, got {classes!r}")
@@ -94,7 +90,7 @@ def scanned(
         raise TypeError(f"scan takes a Scene, got {scene!r}")
     if classes is not None:
         # Before the work, so that a wrong name is said at once.
-        classes_of(scene.objects, classes)
+        classes_of(scene._objects[:], classes)
     if (warning := settings.warning()) is not None:
         warn(warning)
     native = scene._ready(progress).native
@@ -105,6 +101,6 @@ def scanned(
     arrays = shaped(columns)
     if classes is not None:
         # Objects may have been added meanwhile, which were met.
-        arrays["classification"] = classes_of(scene.objects, classes)[arrays["object"]]
+        arrays["classification"] = classes_of(scene._objects[:], classes)[arrays["object"]]
     origin = ScanOrigin(native, lidar._native, json.loads(settings.record()))
     return LidarScan._of(arrays, lidar.shape, origin)

@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from firsthit.typing import Selection, Vector
 
     from .foreign import Part
+    from .of_file import ObjectList
     from .shapes import Shape
 
 #: The shape of an object that was removed.
@@ -168,7 +169,7 @@ def placed(
     return Object(part.shape, part.name, matrix if where is None else where, looks, mask=mask)
 
 
-def chosen(objects: Sequence[Object], given: Selection) -> tuple[int, ...]:
+def chosen(objects: ObjectList, given: Selection) -> tuple[int, ...]:
     """Return the identifiers of objects, each once and in order; removed ones are not there."""
     if isinstance(given, bytes | bytearray):
         raise TypeError(f"objects must be identifiers or names, got {given!r}")
@@ -182,7 +183,7 @@ def chosen(objects: Sequence[Object], given: Selection) -> tuple[int, ...]:
     found = set()
     for one in wanted:
         if isinstance(one, str):
-            named = [k for k, made in enumerate(objects) if made.name == one and not made.removed]
+            named = objects.called(one)
             if not named:
                 raise ValueError(f"there is no object with the name {one!r}")
             found.update(named)
@@ -191,7 +192,7 @@ def chosen(objects: Sequence[Object], given: Selection) -> tuple[int, ...]:
     return tuple(sorted(found))
 
 
-def identified(objects: Sequence[Object], given: object) -> int:
+def identified(objects: ObjectList, given: object) -> int:
     """Return the identifier of an object that is there, by that or by a name that no other has."""
     if isinstance(given, str):
         several = chosen(objects, given)
@@ -212,7 +213,7 @@ def is_several(given: object) -> TypeGuard[Iterable[object]]:
     return is_array or isinstance(given, list | tuple | range)
 
 
-def identified_each(objects: Sequence[Object], given: Iterable[object]) -> list[int]:
+def identified_each(objects: ObjectList, given: Iterable[object]) -> list[int]:
     """Return the identifiers of objects that are there, in their order and as often as given."""
     if isinstance(given, np.ndarray) and given.dtype.kind in "iu" and given.ndim == 1:
         whole: list[int] = given.tolist()

@@ -59,16 +59,22 @@ class OfFile:
 
 
 class ObjectList(_List):
-    """A list of objects in which those of a file are numbers until they are asked for.
+    """The objects of a scene, in which those of a file are numbers until they are asked for.
 
-    Whatever copies it at one moment copies the numbers.
+    Whatever copies it at one moment copies the numbers. Copies share what is known of names.
     """
 
-    __slots__ = ("of_file",)
+    __slots__ = ("_names", "of_file")
 
-    def __init__(self, of_file: OfFile, held: Iterable[int | Object]) -> None:
+    def __init__(
+        self,
+        held: Iterable[int | Object] = (),
+        of_file: OfFile | None = None,
+        names: _Names | None = None,
+    ) -> None:
         super().__init__(cast("Iterable[Object]", held))
         self.of_file = of_file
+        self._names = _Names() if names is None else names
 
     @overload
     def __getitem__(self, key: SupportsIndex) -> Object: ...
@@ -77,43 +83,62 @@ class ObjectList(_List):
     def __getitem__(self, key: SupportsIndex | slice) -> Object | ObjectList:
         held: Any = super().__getitem__(key)
         if isinstance(key, slice):
-            return ObjectList(self.of_file, held)
-        return self.of_file[held] if isinstance(held, int) else held
+            return ObjectList(held, self.of_file, self._names)
+        return self.of_file[held] if self.of_file and isinstance(held, int) else held
 
     def __iter__(self) -> Iterator[Object]:
-        return (self.of_file[each] if isinstance(each, int) else each for each in self.held())
+        file: Any = self.of_file
+        return (file[each] if isinstance(each, int) else each for each in self.held())
 
-    def held(self) -> Iterator[int | Object]:
+    def held(self) -> Iterator[Any]:
         """Go through the list as it is, with numbers."""
         return super().__iter__()
 
+    def called(self, name: str) -> list[int]:
+        """Return the identifiers of the objects of that name that were not removed."""
+        known = self._names
+        # What two threads do here at once is the same, or more of it.
+        for k in range(known.count, len(self)):
+            known.note(self[k]._name, k)
+        known.count = max(known.count, len(self))
+        there = [k for k in list(known.found.get(name, ())) if k < len(self)]
+        return [k for k in there if self[k]._name == name and not self[k]._is_removed]
+
+    def note_name(self, identifier: int) -> None:
+        """Remember the name of an object that will be removed: earlier copies still have it."""
+        self._names.note(self[identifier]._name, identifier)
+
+    def triangles(self) -> int:
+        """Return the number of triangles, those of a shared mesh once for each object."""
+        native: Any = self.of_file and self.of_file.native
+        held = self.held()
+        return sum(native.triangles(k) if isinstance(k, int) else k.triangles for k in held)
+
     def __reduce__(self) -> tuple[Any, ...]:
-        return list, (list(self),)
+        return ObjectList, (list(self),)
+
+
+class _Names:
+    """The identifiers of objects by name. No name changes: objects come, and are removed."""
+
+    __slots__ = ("count", "found")
+
+    def __init__(self) -> None:
+        #: How many objects are in it.
+        self.count = 0
+        self.found: dict[str, dict[int, None]] = {}
+
+    def note(self, name: str, identifier: int) -> None:
+        self.found.setdefault(name, {})[identifier] = None
 
 
 def natives(
-    objects: Sequence[Object],
+    objects: ObjectList,
 ) -> tuple[list[int | _firsthit._Object], _firsthit.Objects | None]:
     """Return what objects are made from, with the file that numbers among them are of."""
     looks: dict[tuple[int, ...], list[_firsthit._Material]] = {}
-    if not isinstance(objects, ObjectList):
-        return [made._native(looks) for made in objects], None
     made = [each if isinstance(each, int) else each._native(looks) for each in objects.held()]
-    return made, objects.of_file.native
-
-
-def held(objects: Sequence[Object]) -> Sequence[Object]:
-    """Return the list as it is, with numbers, for a list that has them too."""
-    return list(cast("Any", objects.held())) if isinstance(objects, ObjectList) else objects
-
-
-def triangles(objects: Sequence[Object]) -> int:
-    """Return the number of triangles, those of a shared mesh once for each object."""
-    if not isinstance(objects, ObjectList):
-        return sum(made.triangles for made in objects)
-    of_file = objects.of_file.native.triangles
-    held = objects.held()
-    return sum(of_file(each) if isinstance(each, int) else each.triangles for each in held)
+    return made, None if objects.of_file is None else objects.of_file.native
 
 
 def _analytic(kind: str, numbers: Sequence[float]) -> Shape:

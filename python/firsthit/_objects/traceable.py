@@ -13,7 +13,7 @@ from firsthit._looks.lights import light_native
 
 from .filters import ALL, one_mask
 from .object import chosen
-from .of_file import natives
+from .of_file import ObjectList, natives
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -44,7 +44,7 @@ class Built:
 
     def __init__(
         self,
-        objects: list[Object],
+        objects: ObjectList,
         lights: Sequence[Light],
         around: Surroundings,
         native: _firsthit.Scene | None = None,
@@ -147,7 +147,7 @@ class _Seen(Built):
 
     def __init__(
         self,
-        objects: list[Object],
+        objects: ObjectList,
         lights: Sequence[Light],
         around: Surroundings,
         native: _firsthit.Scene,
@@ -161,7 +161,7 @@ class _Seen(Built):
 
 
 def _seen_again(
-    objects: list[Object],
+    objects: ObjectList,
     lights: Sequence[Light],
     around: Surroundings,
     key: SeenKey,

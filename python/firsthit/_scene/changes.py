@@ -27,6 +27,7 @@ from firsthit._objects.object import (
     identified_each,
     is_several,
 )
+from firsthit._objects.of_file import ObjectList
 from firsthit._objects.shapes import Shape
 from firsthit._objects.traceable import Built, Traceable
 from firsthit.typing import Build
@@ -40,7 +41,6 @@ if TYPE_CHECKING:
     from firsthit._base.progress import Report
     from firsthit._looks.environment import Environment
     from firsthit._looks.lights import Light
-    from firsthit._objects.object import Object
     from firsthit._objects.traceable import Surroundings
     from firsthit.typing import ForeignMesh, ObjectKey, Progress, Selection, Vector
 
@@ -66,7 +66,7 @@ class Changes(Traceable):
 
     def __init__(self, build: Build) -> None:
         self._build_as = one_of("build", build, get_args(Build))
-        self._objects: list[Object] = []
+        self._objects = ObjectList()
         #: The identifiers of changed objects. A change replaces the object, then adds it here.
         self._moves: list[int] = []
         #: The objects as they were last asked for, with the changes that there were before.
@@ -211,7 +211,9 @@ class Changes(Traceable):
         """
         gone: dict[str, Any] = {"_shape": NOTHING, "_name": "", "_materials": ()}
         gone["_labels"] = (None, None)
-        self._change_each(objects, **gone, _is_removed=True, _is_hidden=True)
+        for identifier in chosen(self._objects, objects):
+            self._objects.note_name(identifier)
+            self._change(identifier, **gone, _is_removed=True, _is_hidden=True)
 
     def replace(self, identifier: ObjectKey, shape: Shape | ForeignMesh) -> None:
         """Give an object another shape; its name, transform, materials and mask stay.

@@ -337,7 +337,7 @@ def _objects(model: _firsthit._Model) -> ObjectList:
     looks = [tuple(map(materials.made, each)) for each in model["looks"]]
     meshes = [Mesh._wrap(mesh) for mesh in model["meshes"]]
     native = model["objects"]
-    return ObjectList(OfFile(native, meshes, looks), range(len(native)))
+    return ObjectList(range(len(native)), OfFile(native, meshes, looks))
 
 
 class _Materials:

@@ -20,7 +20,8 @@ from firsthit._looks.shading import Shading
 from firsthit._objects import foreign
 from firsthit._objects.filters import ALL, one_mask
 from firsthit._objects.object import Object, affine, placed
-from firsthit._objects.of_file import held, triangles
+from firsthit._objects.of_file import ObjectList
+from firsthit._objects.traceable import Built
 from firsthit._queries.inspections import Inspections
 from firsthit._queries.of_points import PointQueries
 from firsthit._queries.of_rays import RayQueries
@@ -449,7 +450,7 @@ class Scene(Changes, RayQueries, PointQueries, Inspections):
         return self._cameras[0].camera if self._has_view else Camera.framing(self)
 
     def _triangles(self) -> int:
-        return triangles(self._objects)
+        return self._objects.triangles()
 
     def __repr__(self) -> str:
         plural = "" if len(self._objects) == 1 else "s"
@@ -467,12 +468,16 @@ class Scene(Changes, RayQueries, PointQueries, Inspections):
         """Copy: the shapes are shared, the lists are not."""
         other = Scene()
         other.__dict__.update({name: self.__dict__[name] for name in _KEPT})
-        other._objects, other._lights = self._objects[:], self._lights[:]
+        objects, other._lights = self._objects[:], self._lights[:]
+        # From now on the same identifier may be of another name.
+        other._objects = ObjectList(objects.held(), objects.of_file)
         built = self._current()
         if built is not None:
             # Where the objects were when it was built, lest a move come in between.
-            other._objects[: len(built.objects)] = held(built.objects)
-            other._last = Last(built, other._moves, 0)
+            count = len(built.objects)
+            other._objects[:count] = list(built.objects.held())
+            own = Built(other._objects[:count], built.lights, built.around, built.native)
+            other._last = Last(own, other._moves, 0)
         return other
 
 
