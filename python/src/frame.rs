@@ -327,7 +327,8 @@ pub(crate) fn data(array: &Bound<'_, PyAny>) -> Outcome<Data> {
 #[derive(FromPyObject)]
 pub(crate) struct StoredIn(Option<f64>, Option<String>, bool, bool);
 
-/// Writes channels to a file, in the format of its extension, whole or not at all.
+/// Writes channels to a file, in the format of its extension, whole or not at all; returns what is
+/// doubtful.
 #[pyfunction]
 pub(crate) fn write(
     py: Python<'_>,
@@ -337,7 +338,7 @@ pub(crate) fn write(
     origin: &str,
     stored: StoredIn,
     display: Option<DisplayIn>,
-) -> Outcome<()> {
+) -> Outcome<Option<String>> {
     let frame = frame(shape, channels, origin)?;
     let display = display.as_ref().map(DisplayIn::transform).transpose()?;
     let StoredIn(png_scale, far, png_labels, compress) = stored;
@@ -348,7 +349,9 @@ pub(crate) fn write(
         compress,
         display: display.unwrap_or_default(),
     };
-    run(py, 0, |stop| image::format_of(&path)?.write(&frame, None, settings, &path, stop))
+    let format = image::format_of(&path)?;
+    run(py, 0, |stop| format.write(&frame, None, settings, &path, stop))?;
+    Ok(format.warning(&frame, None))
 }
 
 /// Writes bytes to a file, whole or not at all.

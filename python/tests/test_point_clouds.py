@@ -1,6 +1,8 @@
 """Point clouds, read with NumPy and with trimesh."""
 
 import json
+import warnings
+from pathlib import Path
 
 import firsthit as fh
 import numpy as np
@@ -118,3 +120,28 @@ def test_what_is_wrong_is_said(scene, camera, tmp_path):
     with pytest.raises(ValueError, match="channel"):
         hits.save(tmp_path / "a.ply", ["color"])
     assert not list(tmp_path.iterdir())
+
+
+def test_positions_of_a_country_are_not_rounded_without_a_word(tmp_path: Path) -> None:
+    scene = fh.Scene()
+    scene.add(fh.Sphere(center=(500000.3, 4500000.2, 10), radius=3))
+    camera = fh.Camera.look_at(
+        (500000.3, 4500000.2, 20), (500000.3, 4500000.2, 10), (0, 1, 0), 45, rows=8, columns=8
+    )
+    frame = fh.render(scene, camera, channels="position")
+    with pytest.warns(fh.FirsthitWarning, match=r"a.exr: position as float32 is off by up to 0\.2"):
+        frame.save(tmp_path / "a.exr")
+    hits = scene.shoot(camera)
+    scan = fh.Lidar.named("vlp-16", columns=36, position=(500000.3, 4499990.2, 10)).scan(
+        scene, max_range=90
+    )
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        frame.save(tmp_path / "a.pcd")
+        hits.save(tmp_path / "b.pcd")
+        scan.save(tmp_path / "c.pcd")
+    found = frame.to_points()["position"]
+    for name, expected in (("a", found), ("b", found), ("c", scan.point)):
+        positions, _ = fh.read_points(tmp_path / f"{name}.pcd")
+        assert len(positions) > 0
+        np.testing.assert_array_equal(positions, expected)

@@ -13,12 +13,11 @@ import numpy as np
 from firsthit import _firsthit
 from firsthit._base.arrays import count, text
 from firsthit._base.channel_hints import hint
-from firsthit._base.log import timed
 from firsthit._base.optional import optional
 from firsthit._looks.display import Display, as_display
 
 from .channels import files, is_of_one, matte_of, stored
-from .frame_file import channel_array, in_file, read_channels
+from .frame_file import channel_array, in_file, read_channels, write_channels
 from .plot import Plottable
 
 if TYPE_CHECKING:
@@ -257,7 +256,8 @@ class Frame(Plottable):
             of its own. NPY and NPZ are exact, with linear colours; an EXR is linear float32; a PNG
             is sRGB, and shows other channels in false colours. ``.ply`` and ``.pcd`` are point
             clouds: the pixels that hit something, with all channels, of which ``position`` must be
-            one. Their colours are sRGB bytes; a PLY is exact otherwise, a PCD float32.
+            one. Their colours are sRGB bytes; a PLY is exact otherwise, a PCD float32, but float64
+            for positions so far from the origin that float32 has too few digits.
         png_scale : float, optional
             Write distances (``t``, ``range``, ``z``) to ``.png`` as 16 bit numbers, which count
             steps of this length in scene units; 0 is a miss. A distance beyond 65535 steps, unless
@@ -286,6 +286,12 @@ class Frame(Plottable):
             that the format cannot hold.
         FileWriteError
             If the system refuses to write it; an old file is as it was. Also an `OSError`.
+
+        Warns
+        -----
+        FirsthitWarning
+            For positions in an ``.exr`` that float32 moves by more than a millionth of their
+            largest side.
         """
         names, shown = list(self._channels), self._display._but(exposure, tone_map)
         how = stored(png_scale, far, png_labels, compress)
@@ -420,8 +426,7 @@ class Frame(Plottable):
     ) -> None:
         channels = [(name, in_file(name, self._channels[name])) for name in names]
         display = (self._display if shown is None else shown)._native
-        with timed("wrote %s", path):
-            _firsthit.write(path, list(self._shape), channels, self._origin, how, display)
+        write_channels(path, self._shape, channels, self._origin, how, display)
 
     def _repr_html_(self) -> str:
         """Show it at a glance, for notebooks."""

@@ -11,10 +11,13 @@ import numpy as np
 
 from firsthit import _firsthit
 from firsthit._base.errors import FileFormatError, warn
+from firsthit._base.log import timed
 
 from .channels import is_cloud
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     import numpy.typing as npt
 
 #: The types of channels, as metadata name them, and those that an EXR holds as uint32.
@@ -94,6 +97,21 @@ def read_channels(
                 dtype = computed
         channels[name or "array"] = values.astype(dtype, copy=False).reshape(shape)
     return channels, said
+
+
+def write_channels(
+    path: Path,
+    shape: Sequence[int],
+    channels: list[tuple[str, npt.NDArray[Any]]],
+    origin: str,
+    how: _firsthit._Stored,
+    display: tuple[float, str] | None,
+) -> None:
+    """Write flat channels to a file; warn of what it holds too coarsely."""
+    with timed("wrote %s", path):
+        doubt = _firsthit.write(path, list(shape), channels, origin, how, display)
+    if doubt is not None:
+        warn(f"{path}: {doubt}")
 
 
 def channel_array(what: str, given: Any, shape: tuple[int, ...]) -> npt.NDArray[Any]:

@@ -388,10 +388,10 @@ class LidarScan:
         ----------
         path : path-like
             ``.npz``, ``.ply`` and ``.csv`` are exact; a ``.pcd`` has lengths and angles as float32,
-            for PCL and ROS. ``.las`` is LAS 1.4 with point format 6: coordinates are rounded to
-            steps of 1e-4 scene units, of 1e-3 where these do not reach, and so on; what the format
-            has no place for is in extra bytes. ``.laz`` is the same packed. ``.parquet`` takes the
-            package ``pyarrow``.
+            for PCL and ROS, but points far from the origin as float64. ``.las`` is LAS 1.4 with
+            point format 6: coordinates are rounded to steps of 1e-4 scene units, of 1e-3 where
+            these do not reach, and so on; what the format has no place for is in extra bytes.
+            ``.laz`` is the same packed. ``.parquet`` takes the package ``pyarrow``.
 
         Raises
         ------

@@ -194,10 +194,11 @@ class Hits(Tables, Plottable):
         path : path-like
             ``.ply`` and ``.pcd`` are point clouds of what was hit: misses are left out, and
             ``position`` is always among the channels. The numbers of a PLY are exact, those of a
-            PCD float32. ``.npz`` takes all rays and several channels, ``.npy`` one channel; hits of
-            the shape of a picture can be ``.exr`` and ``.png`` too, as `Frame.save` writes them.
-            With ``{channel}`` in the name each channel has a file of its own. The metadata name the
-            camera where the hits are those of all its pixels, or a point cloud.
+            PCD float32, as `Frame.save` has them. ``.npz`` takes all rays and several channels,
+            ``.npy`` one channel; hits of the shape of a picture can be ``.exr`` and ``.png`` too,
+            as `Frame.save` writes them. With ``{channel}`` in the name each channel has a file of
+            its own. The metadata name the camera where the hits are those of all its pixels, or a
+            point cloud.
         channels : str or sequence of str, optional
             Some of `channels`, or ``"attribute:NAME"`` for an `attribute`; a name counts once. If
             left out, ``t``, ``object`` and ``primitive``, for a point cloud ``position`` and

@@ -10,9 +10,8 @@ import numpy as np
 
 from firsthit import _firsthit
 from firsthit._base.arrays import copied, flag, text
-from firsthit._base.log import timed
 from firsthit._files.channels import attribute_of, distinct, files, is_cloud, is_of_several
-from firsthit._files.frame_file import channel_array, in_file
+from firsthit._files.frame_file import channel_array, in_file, write_channels
 from firsthit.typing import ChannelName
 
 from .channels import Channels
@@ -127,5 +126,4 @@ class Tables(Channels):
         for file, held in wanted:
             made = ((name, others[name] if name in others else self._named(name)) for name in held)
             arrays = [(name, np.ascontiguousarray(array).ravel()) for name, array in made]
-            with timed("wrote %s", file):
-                _firsthit.write(file, list(self._shape), arrays, origin, how, None)
+            write_channels(file, self._shape, arrays, origin, how, None)

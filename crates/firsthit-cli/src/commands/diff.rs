@@ -194,12 +194,15 @@ impl Compared {
         };
         let ulps = found
             .ulps
+            .filter(|&ulps| ulps > 0)
             .map_or(String::new(), |ulps| format!(", {ulps} ulp of {}", found.compared_as));
+        let equality = match (found.differing, found.ulps) {
+            (0, Some(0)) => format!("equal as {}", found.compared_as),
+            (differing, _) => format!("{differing} of {} differ", found.elements),
+        };
         format!(
-            "{}: {} of {} differ; largest difference {} ({a} and {b}) at {}{ulps}",
+            "{}: {equality}; largest difference {} ({a} and {b}) at {}{ulps}",
             self.name,
-            found.differing,
-            found.elements,
             short(found.largest),
             self.place(found.element),
         )

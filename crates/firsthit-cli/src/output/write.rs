@@ -5,11 +5,13 @@ use std::path::Path;
 
 use firsthit::channel::ChannelKind;
 use firsthit::error::escaped;
-use firsthit::image::{self, Display, Far, Frame, WriteSettings, short_legend, write_whole};
+use firsthit::image::{
+    self, Display, Far, Format, Frame, WriteSettings, short_legend, write_whole,
+};
 use serde_json::{Value, json};
 
 use super::targets::{Target, is_png};
-use crate::console::say;
+use crate::console::{say, warn};
 use crate::failure::Failure;
 use crate::hits_csv::write_csv;
 use crate::progress::Progress;
@@ -53,7 +55,10 @@ pub(crate) fn write(
     for target in targets {
         let Target { path, format, channel } = target;
         match format {
-            Some(format) => format.write(frame, *channel, settings, path, progress)?,
+            Some(format) => {
+                format.write(frame, *channel, settings, path, progress)?;
+                say_rounded(format, frame, *channel, path);
+            }
             None => write_whole(path, progress, |out| write_csv(frame, out))?,
         }
         let shown = channel.filter(|_| is_png(target));
@@ -61,6 +66,11 @@ pub(crate) fn write(
         legends.push(shown.and_then(|channel| legend(channel, settings)));
     }
     Ok(legends)
+}
+
+fn say_rounded(format: &Format, frame: &Frame, channel: Option<&str>, path: &Path) {
+    let warning = format.warning(frame, channel);
+    warn(&warning.map(|warning| format!("{}: {warning}", escaped(path))).as_slice());
 }
 
 /// The text that explains how to read a picture back.
@@ -95,6 +105,8 @@ pub(crate) fn say_legends(targets: &[Target], legends: &[Option<String>]) {
 pub(crate) fn stream(frame: &Frame, format: &str) -> Result<(), Failure> {
     let mut out = io::stdout().lock();
     let (settings, name) = (WriteSettings::default(), Path::new("standard output"));
-    image::format_named(format)?.encode(frame, None, settings, &mut out, name)?;
+    let format = image::format_named(format)?;
+    format.encode(frame, None, settings, &mut out, name)?;
+    say_rounded(format, frame, None, name);
     out.flush().map_err(|error| Failure::stdout(&error))
 }

@@ -27,3 +27,24 @@ fn places_are_told_to_a_millionth_of_the_scene() {
     lab.ok("render far.obj --size 8x6 --samples 1 --position 500003.875,4649777.5,107 --aim 0,0,-1 --up 0,1,0 -o a.npz");
     has("info a.npz", " 500003.875,4649777.5,107\n");
 }
+
+#[test]
+fn a_quarter_of_a_metre_lost_in_float32_is_told() {
+    let lab = Lab::new();
+    lab.write("far.obj", FAR);
+    let render =
+        "render far.obj --size 8x6 --position 500010.3,4649786.3,120 --aim 0,0,-1 --up 0,1,0";
+    let outcome =
+        lab.ok(&format!("{render} --channels position -o a.exr -o a.npz -o a.ply -o a.pcd"));
+    let warnings: Vec<&str> =
+        outcome.stderr.lines().filter(|line| line.contains("warning")).collect();
+    assert_eq!(warnings.len(), 1, "{warnings:?}");
+    assert!(warnings[0].contains("a.exr: position as float32 is off by up to 0."), "{warnings:?}");
+    assert!(lab.ok("diff a.ply a.pcd").text().contains("position: equal\n"));
+    let told = lab.ok("diff a.exr a.npz").text().to_owned();
+    assert!(told.starts_with("position: equal as float32; largest difference 0."), "{told}");
+    let off = warnings[0].split(' ').find_map(|word| word.trim_end_matches(';').parse().ok());
+    let largest = told.split(' ').find_map(|word| word.parse().ok());
+    let [off, largest]: [f64; 2] = [off, largest].map(Option::unwrap);
+    assert!((off - largest).abs() < 1e-5 * off && off > 0.1, "{off} {largest}");
+}

@@ -8,11 +8,11 @@ pub struct Difference {
     pub elements: usize,
     /// The number of elements that differ by more than the tolerance.
     pub differing: usize,
-    /// The largest absolute difference of two numbers; infinity where one of them is infinite or
-    /// NaN.
+    /// The largest absolute difference of two numbers as the files have them; infinity where one of
+    /// them is infinite or NaN.
     pub largest: f64,
     /// The two numbers whose difference is the largest, of equals the first; `None` where all are
-    /// equal.
+    /// equal to the last digit.
     pub values: Option<[f64; 2]>,
     /// The element that these are of.
     pub element: usize,
@@ -41,7 +41,7 @@ pub fn compare(a: &Array, b: &Array, tolerance: f64) -> Result<Difference, Strin
         (ArrayValues::Integer(a_values), ArrayValues::Integer(b_values)) => {
             let tolerance = if a.is_picture { tolerance } else { 0.0 };
             let pairs = a_values.iter().zip(b_values).map(|(&a, &b)| Pair {
-                is_equal: a == b,
+                difference: a.abs_diff(b) as f64,
                 values: [a as f64, b as f64],
                 ulps: 0,
             });
@@ -56,14 +56,15 @@ pub fn compare(a: &Array, b: &Array, tolerance: f64) -> Result<Difference, Strin
             ArrayValues::Float64(_) | ArrayValues::Integer(_),
         ) => {
             let pairs = doubles(&a.numbers).zip(doubles(&b.numbers));
-            let pairs = pairs.map(|(a, b)| pair([a, b], ordered(a), ordered(b)));
+            let pairs = pairs.map(|(a, b)| pair([a, b], [a, b], ordered(a).abs_diff(ordered(b))));
             Difference { compared_as: "float64", ..largest(pairs, tolerance, a.components) }
         }
         _ => {
             let pairs = doubles(&a.numbers).zip(doubles(&b.numbers));
             let pairs = pairs.map(|(a, b)| {
-                let (a, b) = (single(a), single(b));
-                pair([a, b].map(f64::from), ordered_single(a), ordered_single(b))
+                let singles = [single(a), single(b)];
+                let [one, other] = singles.map(ordered_single);
+                pair([a, b], singles.map(f64::from), one.abs_diff(other))
             });
             Difference { compared_as: "float32", ..largest(pairs, tolerance, a.components) }
         }
@@ -72,18 +73,25 @@ pub fn compare(a: &Array, b: &Array, tolerance: f64) -> Result<Difference, Strin
 }
 
 struct Pair {
-    is_equal: bool,
+    /// As the numbers are compared.
+    difference: f64,
+    /// As the files have them.
     values: [f64; 2],
     ulps: u64,
 }
 
-fn pair([a, b]: [f64; 2], place_of_a: i64, place_of_b: i64) -> Pair {
-    let is_finite = a.is_finite() && b.is_finite();
-    Pair {
-        is_equal: a == b || a.is_nan() && b.is_nan(),
-        values: [a, b],
-        ulps: if is_finite { place_of_a.abs_diff(place_of_b) } else { 0 },
+fn pair(values: [f64; 2], compared: [f64; 2], ulps: u64) -> Pair {
+    let is_finite = compared.iter().all(|value| value.is_finite());
+    Pair { difference: apart(compared), values, ulps: if is_finite { ulps } else { 0 } }
+}
+
+/// The difference of two numbers; a NaN or an infinity on one side is as far away as can be.
+fn apart([a, b]: [f64; 2]) -> f64 {
+    if a == b || a.is_nan() && b.is_nan() {
+        return 0.0;
     }
+    let difference = (a - b).abs();
+    if difference.is_nan() { f64::INFINITY } else { difference }
 }
 
 fn largest(pairs: impl Iterator<Item = Pair>, tolerance: f64, components: usize) -> Difference {
@@ -101,21 +109,15 @@ fn largest(pairs: impl Iterator<Item = Pair>, tolerance: f64, components: usize)
     let mut numbers = 0;
     for (index, pair) in pairs.enumerate() {
         numbers = index + 1;
-        if pair.is_equal {
-            continue;
-        }
-        let [a, b] = pair.values;
-        let difference = (a - b).abs();
-        // A NaN or an infinity on one side is as far away as can be.
-        let difference = if difference.is_nan() { f64::INFINITY } else { difference };
+        let difference = apart(pair.values);
         let element = index / components;
         found.ulps = found.ulps.max(Some(pair.ulps));
-        if found.values.is_none() || difference > found.largest {
+        if difference > found.largest {
             found.largest = difference;
             found.values = Some(pair.values);
             found.element = element;
         }
-        if difference > tolerance && counted != Some(element) {
+        if pair.difference > tolerance && counted != Some(element) {
             found.differing += 1;
             counted = Some(element);
         }
@@ -192,6 +194,13 @@ mod tests {
         let found = compare(&double, &single, 0.0).unwrap();
         assert_eq!((found.differing, found.ulps), (1, Some(2)));
         assert_eq!(found.compared_as, "float32");
+        // What float32 has no digits for is told all the same.
+        let double = array(ArrayValues::Float64(vec![1.0, 4_500_000.2]), 1);
+        let single = array(ArrayValues::Float32(vec![1.0, 4_500_000.0]), 1);
+        let found = compare(&double, &single, 0.0).unwrap();
+        assert_eq!((found.differing, found.ulps, found.element), (0, Some(0), 1));
+        assert_eq!(found.values, Some([4_500_000.2, 4_500_000.0]));
+        assert!((found.largest - 0.2).abs() < 1e-9);
     }
 
     #[test]

@@ -2,13 +2,13 @@ use std::collections::BTreeMap;
 use std::io::{self, Write};
 use std::path::Path;
 
-use super::content::{Content, WriteSettings};
+use super::content::{Content, WriteSettings, lost_in_float32};
 use super::decode::output::Output;
 #[cfg(feature = "exr")]
 use super::exr;
 use super::file::{write_whole, write_with_sidecar};
 use super::frame::{Channel, Frame};
-use super::metadata::{Metadata, Stored};
+use super::metadata::{Encoding, Metadata, Stored};
 #[cfg(feature = "png")]
 use super::png;
 #[cfg(feature = "npy")]
@@ -94,7 +94,7 @@ pub const FORMATS: &[Format] = &[
         only_pictures: false,
         has_sidecar: false,
         takes_mattes: false,
-        summary: "a point cloud for PCL and ROS: the same with float32",
+        summary: "a point cloud for PCL and ROS: the same with float32 where that has the digits",
         check: |content| pcd::LAYOUT.check(content),
         stored: |channel, _| pcd::LAYOUT.stored(channel),
         encode: pcd::encode,
@@ -323,6 +323,20 @@ impl Format {
         settings: WriteSettings,
     ) -> Result<()> {
         self.content(frame, channel, settings, &()).map(drop)
+    }
+
+    /// The warning that a file of `frame`, or of `channel` alone, holds positions with too few digits.
+    pub fn warning(&self, frame: &Frame, channel: Option<&str>) -> Option<String> {
+        let mut channels =
+            frame.channels.iter().filter(|held| channel.is_none_or(|name| held.name == name));
+        channels.find_map(|channel| {
+            let error = lost_in_float32(channel)?;
+            let is_rounded =
+                (self.stored)(channel, &WriteSettings::default()).encoding == Encoding::Rounded;
+            let name = &channel.name;
+            let warning = || format!("{name} as float32 is off by up to {error:?}; use npz or ply");
+            is_rounded.then(warning)
+        })
     }
 
     /// The content of the file, checked.

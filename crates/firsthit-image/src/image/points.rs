@@ -14,7 +14,7 @@ use std::io::{self, Read, Write};
 use std::ops::Range;
 use std::path::Path;
 
-use super::content::{Content, check_float32, refuse_mattes};
+use super::content::{Content, check_float32, lost_in_float32, refuse_mattes};
 use super::frame::{Channel, Data, Display, Unit};
 use super::metadata::{Encoding, KEY, Stored};
 use super::srgb::{srgb, unpremultiplied};
@@ -34,7 +34,7 @@ const LINE: usize = 200;
 pub(super) struct Layout {
     /// The names of a normal's three columns.
     pub(super) normal: [&'static str; 3],
-    /// Whether float64 stays what it is; else it is rounded to float32.
+    /// Whether float64 stays what it is; else it is rounded to float32 where that has the digits.
     pub(super) has_doubles: bool,
     /// Whether the bytes of a colour are one column of 32 bits: blue, green, red, and alpha or 0.
     pub(super) has_packed_colors: bool,
@@ -57,10 +57,11 @@ impl Layout {
         match (&channel.data, channel.display) {
             (_, Display::Color) if self.has_packed_colors => Type::Packed,
             (_, Display::Color) | (Data::Bool(_), _) => Type::Byte,
+            (Data::Int32(_), _) => Type::Int32,
             // Seconds since 1970 take more digits than a float32 has.
             (Data::Float64(_), _) if self.has_doubles || is_time(channel) => Type::Float64,
-            (Data::Float64(_) | Data::Float32(_), _) => Type::Float32,
-            (Data::Int32(_), _) => Type::Int32,
+            _ if lost_in_float32(channel).is_some() => Type::Float64,
+            _ => Type::Float32,
         }
     }
 

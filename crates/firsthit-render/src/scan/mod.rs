@@ -350,7 +350,7 @@ impl Scan {
     }
 
     /// Writes the returns to a file, whole or not at all. The extension names the format: `.npz`,
-    /// `.ply` and `.csv` are exact; a `.pcd` has all but times as float32, for PCL and ROS. `.las`
+    /// `.ply` and `.csv` are exact; a `.pcd` has all but times, and far points, as float32. `.las`
     /// is LAS 1.4 with point format 6: coordinates are rounded to steps of 1e-4 scene units, of
     /// 1e-3 where these do not reach, and so on; what the format has no place for is in extra
     /// bytes. `.laz` is the same packed.

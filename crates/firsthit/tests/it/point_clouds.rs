@@ -261,14 +261,28 @@ fn what_a_cloud_cannot_hold_is_refused_before_the_file_is_touched() {
     let message = frame.save(&path).unwrap_err().to_string();
     assert_eq!(message, "channel must be position, and any others, for a point cloud, got object");
     assert!(!path.exists() && !is_point_cloud(&path));
-    // 1e300 is a place that float32 does not have.
-    let far = positions(&[0.0, 0.0, 0.0, 0.0, 1e300, 0.0]);
+    // 1e300 is a distance that float32 does not have.
+    let mut far = positions(&[0.0; 6]);
+    far.push(Channel::new("t", 1, Data::Float64(vec![0.0, 1e300]), Display::Distance)).unwrap();
     let message = encode("pcd", &far).unwrap_err().to_string();
     assert_eq!(
         message,
-        "position must be in the range of float32 for a PCD (or use ply), got 1e300 at element 1"
+        "t must be in the range of float32 for a PCD (or use ply), got 1e300 at element 1"
     );
     assert!(encode("ply", &far).is_ok());
+}
+
+#[test]
+fn positions_of_a_country_keep_their_digits_in_a_pcd() {
+    let near = [0.1, 0.2, 0.3, 100.7, -40.3, 0.0];
+    let far = near.map(|x: f64| x + 4_500_000.0);
+    let read = |values: &[f64]| {
+        let bytes = encode("pcd", &positions(values)).unwrap();
+        let mut output = read_bytes(Path::new("a.pcd"), &bytes, 1 << 20).unwrap();
+        output.arrays.remove(0).numbers
+    };
+    assert_eq!(read(&far), ArrayValues::Float64(far.to_vec()));
+    assert_eq!(read(&near), ArrayValues::Float32(near.map(|x| x as f32).to_vec()));
 }
 
 #[test]
