@@ -1,5 +1,6 @@
 """What hits and frames go into which file, and what is refused before anything is written."""
 
+import json
 import pickle
 
 import firsthit as fh
@@ -148,3 +149,15 @@ def test_hits_are_saved_as_steps_and_labels_too(tmp_path):
     hits.save(tmp_path / "all.npz", compress=True)
     with np.load(tmp_path / "all.npz") as arrays:
         np.testing.assert_array_equal(arrays["t"], hits.t)
+
+
+def test_few_hits_among_thousands_of_names_are_a_small_file(tmp_path):
+    scene = fh.Scene()
+    for k in range(3000):
+        scene.add(fh.Box((3 * k, 0, 0), (3 * k + 1, 1, 1)), name=f"Gebäude {k:05d}/Wand")
+    hits = scene.shoot([[0.5, 0.5, 9], [3.5, 0.5, 9]], (0, 0, -1))
+    hits.save(tmp_path / "few.npz")
+    assert (tmp_path / "few.npz").stat().st_size < 100_000
+    said = json.loads(str(np.load(tmp_path / "few.npz")["metadata"]))
+    assert said == fh.read_metadata(tmp_path / "few.npz")
+    assert said["names"]["object"][2999]["name"] == "Gebäude 02999/Wand"

@@ -13,7 +13,7 @@ const LARGE: u64 = u32::MAX as u64 - 65_536;
 pub(super) const METADATA: &str = "metadata";
 
 /// Writes all channels as an NPZ archive: an entry `NAME.npy` for each, packed where the settings
-/// say so, in their order, and then the metadata.
+/// say so, in their order, and then the metadata, packed.
 ///
 /// As a stream, so that a pipe will do. All dates are 1 January 1980, the earliest that ZIP can
 /// say: today's would change the bytes every day.
@@ -33,7 +33,9 @@ pub(super) fn encode(content: &Content<'_>, out: &mut dyn Write) -> io::Result<(
         archive.start_file(format!("{}.npy", channel.name), options.large_file(large))?;
         npy::encode(content.shape, channel, &mut archive)?;
     }
-    archive.start_file(format!("{METADATA}.npy"), options)?;
+    // The names of a thousand objects, in UTF-32, would be more than a few hits.
+    let packed = options.compression_method(CompressionMethod::Deflated);
+    archive.start_file(format!("{METADATA}.npy"), packed)?;
     npy::encode_text(&content.metadata.to_json(), &mut archive)?;
     archive.finish()?.into_inner().flush()
 }

@@ -284,7 +284,8 @@ fn a_packed_npz_has_the_same_numbers_in_fewer_bytes_and_float32_halves_them() {
     };
     assert!(numbers(&plain) == numbers(&packed));
     write(&frame.rounded().unwrap(), &small).unwrap();
-    assert!(size(&small) + 4 * 5000 == size(&plain));
+    // But for the metadata, which name the type, and are packed.
+    assert!((size(&small) + 4 * 5000).abs_diff(size(&plain)) < 64);
     let tiny = row(&[1e-60, 1e60, f64::INFINITY, 0.0, 0.1], &[0; 5]).rounded().unwrap();
     let Data::Float32(values) = &tiny.channels()[0].data else {
         panic!("rounded");
