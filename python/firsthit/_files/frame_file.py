@@ -71,7 +71,7 @@ def read_channels(
     if is_cloud(path):
         raise ValueError(
             f"{os.fspath(path)} must hold a picture, got a point cloud, which is a list of "
-            "points; read_metadata reads its metadata"
+            "points; read_points reads them, and read_metadata its metadata"
         )
     arrays, said = _read(path)
     records = {} if said is None else {c["name"]: c for c in json.loads(said)["channels"]}

@@ -200,7 +200,8 @@ class LidarScan:
         Parameters
         ----------
         path : path-like
-            The file.
+            The file. The points of a ``.ply``, ``.pcd``, ``.las``, ``.laz`` or ``.csv`` of a scan
+            are read by `read_points`, with its other numbers as columns.
 
         Returns
         -------
