@@ -225,6 +225,12 @@ impl Pattern {
         Ok(Self(made?))
     }
 
+    /// The names of the models.
+    #[staticmethod]
+    fn models() -> &'static [&'static str] {
+        LidarModel::NAMES
+    }
+
     /// A model by its name.
     #[staticmethod]
     fn named(name: &str, rate: f64, columns: Option<usize>, start: f64) -> Outcome<Self> {

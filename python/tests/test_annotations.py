@@ -260,7 +260,7 @@ def test_a_key_of_classes_that_no_object_has_is_told():
     scene = fh.Scene()
     scene.add(fh.Sphere((0, 0, -4), 1), name="cone")
     camera = fh.Camera.look_at((0, 0, 0), (0, 0, -1), (0, 1, 0), 45, rows=8, columns=8)
-    with pytest.warns(fh.FirsthitWarning, match="by 'conee', did you mean 'cone'"):
+    with pytest.warns(fh.FirsthitWarning, match="by 'conee'; did you mean 'cone'"):
         found = fh.annotate(scene, camera, classes={"conee": "solid"})
     assert found.instances == ()
     fh.annotate(scene, camera, classes={"con*": "solid"})

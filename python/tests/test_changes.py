@@ -154,8 +154,6 @@ def test_wrong_changes_are_refused_and_change_nothing():
         (lambda: scene.hide(2), IndexError, "no object 2; there are 2"),
         (lambda: scene.hide("no"), ValueError, "no object with the name 'no'"),
         (lambda: scene.remove([0, 7]), IndexError, "no object 7"),
-        (lambda: scene.show(None), TypeError, "identifiers or names"),
-        (lambda: scene.show(), TypeError, r"to look at the scene: scene\.view\(\) in a notebook"),
         (lambda: scene.replace(0, "box"), TypeError, "shape must be"),
         (lambda: scene.replace(5, mesh(1)), IndexError, "no object 5"),
         (lambda: scene.update_vertices(1, [[0, 0, 0]]), TypeError, "must be a mesh"),
@@ -176,3 +174,14 @@ def test_another_packages_mesh_can_take_a_place():
     scene = row([mesh(1)])
     scene.replace(0, Other())
     assert float(scene.shoot((0.5, 0.25, 5), (0, 0, -1)).t) == 5
+
+
+def test_show_of_nothing_shows_all_that_are_hidden():
+    scene = row([fh.Sphere((0, 0, 0), 1), fh.Sphere((3, 0, 0), 1)])
+    scene.hide([0, 1])
+    scene.show()
+    assert not any(made.hidden for made in scene.objects)
+    scene.remove(1)
+    with pytest.warns(fh.FirsthitWarning, match=r"to look at the scene: scene\.view\(\) in a note"):
+        scene.show()
+    assert scene.objects[1].removed

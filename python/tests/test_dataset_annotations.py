@@ -188,7 +188,7 @@ def test_a_key_of_classes_without_an_object_is_told_once_for_each_scene(tmp_path
     with pytest.warns(fh.FirsthitWarning) as caught:
         assert fh.dataset(made, tmp_path).made == 14
     assert [str(each.message) for each in caught] == [
-        f"scene {name!r}: classes: no object has its class by 'bal', did you mean 'ball'?"
+        f"scene {name!r}: classes: no object has its class by 'bal'; did you mean 'ball'?"
         for name in ("yard.toml", "again")
     ]
     assert {each.filename for each in caught} == {__file__}

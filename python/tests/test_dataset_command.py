@@ -125,7 +125,7 @@ def test_a_key_of_classes_without_an_object_is_a_line(firsthit, tmp_path):
     (tmp_path / "yard.toml").write_text((PLANS / "yard.toml").read_text())
     path = tmp_path / "plan.toml"
     path.write_text(text.replace('ball = "ball"', 'bal = "ball"'))
-    line = "scene 'yard.toml': classes: no object has its class by 'bal', did you mean 'ball'?"
+    line = "scene 'yard.toml': classes: no object has its class by 'bal'; did you mean 'ball'?"
     for rest in (["--check"], ["-o", tmp_path / "out"]):
         code, _, err = firsthit("dataset", path, *rest)
         assert (code, err) == (0, f"firsthit: warning: {line}\n")

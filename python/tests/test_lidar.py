@@ -75,8 +75,8 @@ def test_other_models_have_their_makers_angles():
     ouster = fh.Lidar.named("os1-64")
     assert ouster.shape == (64, 1024)
     np.testing.assert_allclose(np.diff(ouster.elevation[:, 0]), -45 / 63)
-    with pytest.raises(ValueError, match="lidar model must be one of vlp-16, "):
-        fh.Lidar.named("vlp-17")
+    with pytest.raises(ValueError, match=r"lidar model must be one of vlp-16, .*; did you mean"):
+        fh.Lidar.named("vlp16")
 
 
 def test_a_lidar_that_drives_measures_from_where_it_is():

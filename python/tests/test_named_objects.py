@@ -46,6 +46,16 @@ def test_thousands_of_names_are_looked_up_without_a_walk_for_each(
     assert visits < 20 * len(names)
 
 
+def test_a_slip_of_the_finger_is_told() -> None:
+    scene, camera = boxes(2), fh.Camera.look_at((1, 1, 9), (1, 1, 0), (0, 1, 0), 45, 4, 4)
+    with pytest.raises(ValueError, match="'prat 1'; did you mean 'part 1'"):
+        scene.hide("prat 1")
+    with pytest.raises(ValueError, match="got 'depht'; depth is called z, the distance"):
+        fh.render(scene, camera, channels="depht")
+    with pytest.raises(ValueError, match="got 'lambrt'; did you mean 'lambert'"):
+        fh.render(scene, camera, shade="lambrt")
+
+
 def test_names_stay_right_whatever_is_added_removed_or_copied() -> None:
     scene = boxes(3)
     aim = np.array([[0.5, 0.5, 9], [3.5, 0.5, 9], [6.5, 0.5, 9]])

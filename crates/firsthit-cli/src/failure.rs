@@ -116,6 +116,14 @@ impl From<Error> for Failure {
             Error::Interrupted => INTERRUPTED,
             _ => INTERNAL,
         };
-        Self { code, message: Some(error.to_string()) }
+        let mut message = error.to_string();
+        if let Error::Argument { name, .. } = &error {
+            // The setting as the command line has it, where it has.
+            let option = format!("--{}", name.replace('_', "-"));
+            if std::env::args().any(|word| word.split('=').next() == Some(&option)) {
+                message = message.replacen(name, &option, 1).replace("`far`", "--far");
+            }
+        }
+        Self { code, message: Some(message) }
     }
 }

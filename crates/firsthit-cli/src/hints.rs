@@ -1,12 +1,19 @@
 //! Hints for a picture that may not be what was expected.
 
 use firsthit::explain::before_viewplane;
+use firsthit::scene_file::nearest_word;
 use firsthit::{Bounds, Camera, DVec3, Scene};
 pub(crate) use firsthit_view::words::{
     coordinate, exact_triple, extent, number, place, six_digits, triple,
 };
 
 use crate::console::counted;
+
+/// The end of a message about a word that is none of those known.
+pub(crate) fn meant<'a>(word: &str, known: impl IntoIterator<Item = &'a str>) -> String {
+    let meant = nearest_word(word, known);
+    meant.map_or(String::new(), |meant| format!("; did you mean {meant}?"))
+}
 
 /// A hint for each thing that is probably not meant.
 pub(crate) fn hints(scene: &Scene, camera: &Camera, hits: usize) -> Vec<String> {

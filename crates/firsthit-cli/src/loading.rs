@@ -10,6 +10,7 @@ use firsthit::{Color, Object, Scene};
 
 use crate::args::{LoadArgs, PickArgs, SceneArgs};
 use crate::failure::Failure;
+use crate::hints::meant;
 use crate::progress::Progress;
 
 /// A scene with what its file says beside it.
@@ -164,8 +165,9 @@ pub(crate) fn called(objects: &[Object], name: &str) -> Result<Vec<usize>, Failu
         (false, _) => Ok(named),
         (true, Some(identifier)) => Ok(vec![identifier]),
         (true, None) => Err(Failure::usage(format!(
-            "there is no object {name:?}; firsthit info lists the {} there are",
-            objects.len()
+            "there is no object {name:?}; firsthit info lists the {} there are{}",
+            objects.len(),
+            meant(name, objects.iter().map(Object::name))
         ))),
     }
 }

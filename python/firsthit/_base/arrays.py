@@ -11,6 +11,7 @@ import numpy as np
 
 from firsthit import _firsthit
 
+from .channel_hints import hint
 from .errors import warn
 
 if TYPE_CHECKING:
@@ -162,7 +163,9 @@ def numbers(name: str, value: Any) -> npt.NDArray[Any]:
 def one_of(name: str, value: _T, known: Collection[object]) -> _T:
     """Return a word that is one of those that are known."""
     if not isinstance(value, str) or value not in known:
-        raise ValueError(f"{name} must be one of {', '.join(map(str, known))}, got {value!r}")
+        words = [str(word) for word in known]
+        meant = hint(value, words)
+        raise ValueError(f"{name} must be one of {', '.join(words)}, got {value!r}{meant}")
     return value
 
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from firsthit import _firsthit
-from firsthit._base.arrays import cast, count, flag, number, numbers, text, vector
+from firsthit._base.arrays import cast, count, flag, number, numbers, one_of, text, vector
 from firsthit._sensors.conventions import pose4
 from firsthit._sensors.sensor import OtherSensor
 from firsthit._sensors.trajectory import checked
@@ -187,7 +187,7 @@ class PatternSensor(OtherSensor):
         Lidar('vlp-16', 16 x 1808 beams)
         """
         across = None if columns is None else count("columns", columns, 1)
-        model = text("name", name).lower()
+        model = one_of("lidar model", text("name", name).lower(), _firsthit.Pattern.models())
         arguments = model, number("rate", rate), across, number("start", start)
         return cls._standing(("named", arguments), position, pose, trajectory)
 

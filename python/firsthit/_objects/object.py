@@ -8,6 +8,7 @@ import numpy as np
 
 from firsthit import _firsthit
 from firsthit._base.arrays import cast, index, numbers
+from firsthit._base.channel_hints import hint
 from firsthit._looks.material import Material, colored, shared
 
 from .filters import ALL
@@ -185,7 +186,8 @@ def chosen(objects: ObjectList, given: Selection) -> tuple[int, ...]:
         if isinstance(one, str):
             named = objects.called(one)
             if not named:
-                raise ValueError(f"there is no object with the name {one!r}")
+                meant = hint(one, objects.names())
+                raise ValueError(f"there is no object with the name {one!r}{meant}")
             found.update(named)
         else:
             found.add(identified(objects, one))

@@ -104,6 +104,10 @@ class ObjectList(_List):
         there = [k for k in list(known.found.get(name, ())) if k < len(self)]
         return [k for k in there if self[k]._name == name and not self[k]._is_removed]
 
+    def names(self) -> list[str]:
+        """Return the names that `called` knows: of all objects, once it was asked."""
+        return list(self._names.found)
+
     def note_name(self, identifier: int) -> None:
         """Remember the name of an object that will be removed: earlier copies still have it."""
         self._names.note(self[identifier]._name, identifier)

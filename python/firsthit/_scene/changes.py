@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, get_args
 import numpy as np
 
 from firsthit._base.arrays import one_of, table
+from firsthit._base.errors import warn
 from firsthit._base.log import DEBUG, timed
 from firsthit._base.progress import following
 from firsthit._base.turn import Turn
@@ -172,19 +173,25 @@ class Changes(Traceable):
 
         Parameters
         ----------
-        objects : int, str, or sequence of them
-            As for `hide`.
+        objects : int, str, or sequence of them, optional
+            As for `hide`. If left out, all that are hidden.
 
         Raises
         ------
         IndexError, ValueError, TypeError
             As `hide`.
+
+        Warns
+        -----
+        FirsthitWarning
+            Where all that are hidden are none.
         """
         if objects is None:
-            raise TypeError(
-                "show takes identifiers or names of hidden objects; to look at the scene: "
-                "scene.view() in a notebook, firsthit.view(scene) elsewhere"
-            )
+            each = enumerate(self._objects)
+            objects = [k for k, made in each if made._is_hidden and not made._is_removed]
+            if not objects:
+                where = "scene.view() in a notebook, firsthit.view(scene) elsewhere"
+                warn(f"show: no object is hidden; to look at the scene: {where}")
         self._change_each(objects, _is_hidden=False)
 
     def remove(self, objects: Selection) -> None:

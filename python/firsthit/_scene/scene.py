@@ -449,12 +449,9 @@ class Scene(Changes, RayQueries, PointQueries, Inspections):
         """Return the default camera."""
         return self._cameras[0].camera if self._has_view else Camera.framing(self)
 
-    def _triangles(self) -> int:
-        return self._objects.triangles()
-
     def __repr__(self) -> str:
-        plural = "" if len(self._objects) == 1 else "s"
-        return f"Scene({len(self._objects):,} object{plural}, {self._triangles():,} triangles)"
+        count, triangles = len(self._objects), self._objects.triangles()
+        return f"Scene({count:,} object{'' if count == 1 else 's'}, {triangles:,} triangles)"
 
     def __getstate__(self) -> dict[str, Any]:
         """Pickle the objects; what is built from them is built again."""

@@ -123,7 +123,7 @@ def notebook_view(
     if isinstance(height, bool) or not isinstance(height, int) or height < 1:
         raise ValueError(f"height must be a positive number of pixels, got {height!r}")
     if engine is None:
-        is_page = scene._triangles() <= _MOST_TRIANGLES
+        is_page = scene._objects.triangles() <= _MOST_TRIANGLES
         engine = "page" if is_page or not has_widgets() else "kernel"
     if engine == "kernel" and not has_widgets():
         raise ImportError('the engine "kernel" takes anywidget: pip install anywidget')

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Callable, Hashable, Mapping
 from contextvars import ContextVar
-from difflib import get_close_matches
 from fnmatch import fnmatchcase
 from typing import TYPE_CHECKING, Literal, NamedTuple
 
 from firsthit._base.arrays import text
+from firsthit._base.channel_hints import hint
 from firsthit._base.errors import warn
 
 if TYPE_CHECKING:
@@ -81,8 +81,7 @@ def _tell(of: str, unused: Sequence[str], objects: Sequence[tuple[int, Object]])
         return
     names = list({name for _, made in objects for name in (made.name, made.node) if name})
     for key in unused:
-        close = get_close_matches(key, [name for name in names if name != key], 1)
-        meant = f", did you mean {close[0]!r}?" if close else ""
+        meant = hint(key, (name for name in names if name != key))
         warn(f"{of}classes: no object has its class by {key!r}{meant}")
 
 

@@ -97,6 +97,9 @@ fn named<'a>(name: &str, cameras: &'a [NamedCamera]) -> Result<&'a NamedCamera, 
     }
     let shown = escape_controls(name);
     Err(Failure::usage(match (cameras.len(), found.len()) {
+        (_, 0) if firsthit::image::format_of(Path::new(name)).is_ok() => {
+            format!("--camera '{shown}': there is no such file, and no camera of this name")
+        }
         (0, _) => format!("--camera '{shown}': the file has no cameras"),
         (_, 0) => {
             let names = cameras.iter().enumerate().map(|(k, camera)| labelled(k, camera));

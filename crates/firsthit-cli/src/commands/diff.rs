@@ -2,13 +2,12 @@ use std::path::Path;
 
 use firsthit::error::{escape_controls, escaped};
 use firsthit::image::{Array, Difference, Holds, Output, compare, format_of, read};
-use firsthit::scene_file::nearest_word;
 use serde_json::{Value, json};
 
 use crate::args::DiffArgs;
 use crate::console::{in_words, json_text, kept_warnings, print, warn};
 use crate::failure::Failure;
-use crate::hints::six_digits;
+use crate::hints::{meant, six_digits};
 
 /// One channel of both files.
 struct Compared {
@@ -113,8 +112,7 @@ fn pairs<'a>(
         };
         (output.array(name).or(only)).ok_or_else(|| {
             let known: Vec<String> = output.arrays.iter().map(name_of).collect();
-            let meant = nearest_word(name, known.iter().map(String::as_str));
-            let meant = meant.map_or(String::new(), |meant| format!("; did you mean {meant}?"));
+            let meant = meant(name, known.iter().map(String::as_str));
             Failure::usage(format!(
                 "--channels: {} has no channel \"{}\", only {}",
                 escaped(path),

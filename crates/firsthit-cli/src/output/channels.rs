@@ -3,10 +3,10 @@
 use firsthit::channel::{ATTRIBUTE, ChannelKind, KINDS, asked};
 use firsthit::error::escape_controls;
 use firsthit::image::{FORMATS, Format};
-use firsthit::scene_file::nearest_word;
 
 use crate::console::say;
 use crate::failure::Failure;
+use crate::hints::meant;
 
 /// The source of the numbers, which decides what can be asked for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -92,8 +92,7 @@ pub(crate) fn has(kinds: &[&ChannelKind], kind: &ChannelKind) -> Result<bool, Fa
 fn named(wanted: &str, source: ChannelSource) -> Result<&'static ChannelKind, Failure> {
     KINDS.iter().find(|kind| kind.name == wanted).ok_or_else(|| {
         let known: Vec<&str> = source.channels().map(|kind| &*kind.name).collect();
-        let meant = nearest_word(wanted, known.iter().copied());
-        let meant = meant.map_or(String::new(), |meant| format!("; did you mean {meant}?"));
+        let meant = meant(wanted, known.iter().copied().chain(["depth"]));
         Failure::usage(format!(
             "--channels: there is no channel \"{}\", only {}, and attribute:NAME{meant}",
             escape_controls(wanted),

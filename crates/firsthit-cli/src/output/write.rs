@@ -70,7 +70,7 @@ pub(crate) fn write(
 
 fn say_rounded(format: &Format, frame: &Frame, channel: Option<&str>, path: &Path) {
     let warning = format.warning(frame, channel);
-    warn(&warning.map(|warning| format!("{}: {warning}", escaped(path))).as_slice());
+    warn(warning.map(|warning| format!("{}: {warning}", escaped(path))).as_slice());
 }
 
 /// The text that explains how to read a picture back.

@@ -141,7 +141,7 @@ const IMPOSSIBLE: &[(&str, &str)] = &[
     ("--fov-axis diagonal --viewplane 3x2", "cannot be used with"),
     (
         "--fov-axis diagonal --projection equidistant",
-        "fov_axis must be left out of a camera that is not perspective",
+        "--fov-axis must be left out of a camera that is not perspective",
     ),
     ("--projection equirectangular --fov 90 --parameters vertical_fov=60", "cannot be used with"),
     ("--convention ros", "--intrinsics <FX,FY,CX,CY[,SKEW]>"),

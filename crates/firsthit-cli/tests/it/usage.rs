@@ -1,6 +1,6 @@
 //! Help, versions, completions, and command lines that cannot be understood.
 
-use crate::support::Lab;
+use crate::support::{ABOVE, Lab};
 
 const COMMANDS: [&str; 17] = [
     "render",
@@ -272,5 +272,20 @@ fn shells_complete_the_names_of_channels() {
         let lines = text.lines().filter(of_channels);
         // Of render, shoot, diff and demo.
         assert!(lines.count() >= 4, "{shell}");
+    }
+}
+
+#[test]
+fn messages_name_options_as_they_are_typed_and_files_that_are_not_there() {
+    let lab = Lab::with_square();
+    for (arguments, expected) in [
+        ("--camera nofile.exr", "--camera 'nofile.exr': there is no such file"),
+        ("--camera nobody", "--camera 'nobody': the file has no cameras"),
+        ("--channels depht -o a.npz", "; did you mean depth?"),
+        ("--only sqare", "lists the 1 there are; did you mean square?"),
+        ("--channels z --png-scale 1e-7 -o a.png", "--png-scale must be so large"),
+        ("--channels z --png-scale=1e-7 -o a.png", "farthest hit, unless --far is given"),
+    ] {
+        lab.fails(&format!("render square.ply {ABOVE} {arguments}"), 2, expected);
     }
 }
