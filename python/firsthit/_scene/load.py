@@ -29,9 +29,24 @@ from .scene import Scene
 if TYPE_CHECKING:
     import os
     from collections.abc import Iterable, Sequence
+    from typing import TypedDict, Unpack
 
     from firsthit._queries.lint import LintReport
     from firsthit.typing import Build, Progress, Unit
+
+    class _How(TypedDict, total=False):
+        ignore: Iterable[str]
+        places: int
+        threads: int | None
+        strict: bool
+        max_memory: int
+        max_texture: int
+        units: Unit | None
+        scale: float
+        resources: str | os.PathLike[str] | Iterable[str | os.PathLike[str]]
+        build: Build
+        variant: str | None
+        progress: Progress | None
 
 
 def load(
@@ -230,40 +245,12 @@ def _fill(scene: Scene, model: _firsthit._Model) -> None:
 
 @overload
 def lint(  # type: ignore[overload-overlap] # A text is one path.
-    path: str | os.PathLike[str],
-    *,
-    ignore: Iterable[str] = ...,
-    places: int = ...,
-    threads: int | None = ...,
-    strict: bool = ...,
-    max_memory: int = ...,
-    max_texture: int = ...,
-    units: Unit | None = ...,
-    scale: float = ...,
-    resources: str | os.PathLike[str] | Iterable[str | os.PathLike[str]] = ...,
-    build: Build = ...,
-    variant: str | None = ...,
-    progress: Progress | None = ...,
+    path: str | os.PathLike[str], **how: Unpack[_How]
 ) -> LintReport: ...
 
 
 @overload
-def lint(
-    path: Iterable[str | os.PathLike[str]],
-    *,
-    ignore: Iterable[str] = ...,
-    places: int = ...,
-    threads: int | None = ...,
-    strict: bool = ...,
-    max_memory: int = ...,
-    max_texture: int = ...,
-    units: Unit | None = ...,
-    scale: float = ...,
-    resources: str | os.PathLike[str] | Iterable[str | os.PathLike[str]] = ...,
-    build: Build = ...,
-    variant: str | None = ...,
-    progress: Progress | None = ...,
-) -> tuple[LintReport, ...]: ...
+def lint(path: Iterable[str | os.PathLike[str]], **how: Unpack[_How]) -> tuple[LintReport, ...]: ...
 
 
 def lint(
