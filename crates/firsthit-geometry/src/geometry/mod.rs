@@ -42,34 +42,30 @@ pub mod summary;
 mod tone_map;
 mod transform;
 
-#[doc(hidden)]
-pub use beam::Beam;
 pub use bounds::Bounds;
-#[doc(hidden)]
-pub use color::srgb_decode_level;
 pub use color::{Color, luminance, srgb_decode, srgb_encode};
 pub use color_map::ColorMap;
-#[doc(hidden)]
-pub use color_map::fraction;
 pub use color_names::{COLOR_NAMES, color_of, meant_as_levels};
 pub use digest::Digest;
 pub use display_transform::DisplayTransform;
 pub use grid::PixelGrid;
 pub use hit::Hit;
-#[doc(hidden)]
-pub use named::{named, names};
 pub use ray::{Filtered, Ray, Rays};
 pub use ray_filter::{Departure, RayFilter, Side, SurfaceId};
-#[doc(hidden)]
-pub use require::{require, require_direction, require_finite, require_positive};
 pub use rotation::rotation;
-#[doc(hidden)]
-pub use rotation::upright;
 pub use settings::{Domain, Field, Setting, Settings, SettingsSchema, Value};
-#[doc(hidden)]
-pub use settings::{kinds, setting_list, settings};
 pub use tone_map::ToneMap;
 pub use transform::Transform;
+#[doc(hidden)]
+pub use {
+    beam::Beam,
+    color::srgb_decode_level,
+    color_map::fraction,
+    named::{named, names, none_of},
+    require::{require, require_direction, require_finite, require_positive},
+    rotation::upright,
+    settings::{kinds, setting_list, settings},
+};
 
 use std::cmp::Ordering;
 

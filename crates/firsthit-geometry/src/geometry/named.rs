@@ -1,5 +1,13 @@
 //! Enums whose variants have names.
 
+use crate::error::Error;
+
+/// The refusal of a name, as that of a `what`, which is none of `names`.
+#[doc(hidden)]
+pub fn none_of(names: &[&str], what: &'static str, name: &str) -> Error {
+    Error::argument(what, format!("one of {}", names.join(", ")), format_args!("'{name}'"))
+}
+
 /// Makes an enum of named variants, and everything that depends on the list of names. `$what` is
 /// what a name that is none of them is refused as.
 #[doc(hidden)]
@@ -42,7 +50,7 @@ macro_rules! names {
             fn from_str(name: &str) -> $crate::error::Result<Self> {
                 match name {
                     $($name => Ok(Self::$variant),)*
-                    _ => Err(Self::Err::argument($what, format!("one of {}", Self::NAMES.join(", ")), format_args!("'{name}'"))),
+                    _ => Err($crate::geometry::none_of(Self::NAMES, $what, name)),
                 }
             }
         }

@@ -132,7 +132,7 @@ fn unlit_is_the_objects_colour_and_normal_its_normal() {
     assert_eq!(seen(&scene, Shader::named("unlit").unwrap(), EYE, DVec3::NEG_Z), RED);
     let normal = seen(&scene, Shader::named("normal").unwrap(), EYE, DVec3::NEG_Z);
     assert_eq!(normal, Color::new(0.5, 0.5, 1.0));
-    assert!(Shader::named("toon").unwrap_err().to_string().contains("unlit normal, got toon"));
+    assert!(Shader::named("toon").unwrap_err().to_string().contains("unlit, normal, got 'toon'"));
 }
 
 #[test]
