@@ -32,8 +32,8 @@
 //! # Bounds elsewhere
 //!
 //! - `Bvh::OBJECTS`, the slack of the top-level tree (`bvh.rs`). Too small: no test, not even at 0.
-//! - `BOX_ROUNDING`, by which boxes of the top-level tree and rays are wider, and 1.75, the ball
-//!   around them (`bvh.rs`).
+//! - `BOX_ROUNDING`, by which boxes of the top-level tree and rays are wider, and `BALL`,
+//!   the ball around them (`bvh.rs`).
 //! - The bound of the exact test's sides (`shape/triangle.rs`). Too small: `fans_over_edges` and
 //!   `rays_from_very_far_away`, among others, at 0.
 //! - `Plain::error`, where float64 is enough for `t` (`shape/triangle/place/plain.rs`). Too small:
@@ -53,7 +53,7 @@
 //!   Too small: not tried.
 //! - `ROUNDED`, how far a point of a surface is off it after transforms (`shoot/filter.rs`). It is
 //!   a promise to users, not a bound.
-//! - The sphere around the tree, 1.75, and 4 errors: what a ray from far away must meet
+//! - The sphere around the tree, `BALL`, and 4 errors: what a ray from far away must meet
 //!   (`traverse/distant.rs`). Too small: not tried.
 
 /// The unit of float32's rounding, 2^-24: half of `f32::EPSILON`.

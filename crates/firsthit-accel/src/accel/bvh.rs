@@ -126,6 +126,10 @@ impl BoxSpace {
     }
 }
 
+/// The radius of a ball around a tree, in units of its extent. All boxes are in a cube, and that in
+/// a ball of the square root of 3. The rest is for rounding.
+pub(super) const BALL: f64 = 1.75;
+
 /// The boxes still to be visited by a packet, by their places in the tree, each with the depth
 /// where it begins. Memory to be used again.
 #[doc(hidden)]
@@ -153,10 +157,8 @@ impl Bvh {
         if margin > FARTHEST {
             return (everywhere(direction), !self.nodes.is_empty());
         }
-        // All boxes are in a cube, and that in a ball of the square root of 3. The rest is for
-        // rounding.
         let reach = self.extent * self.space.scale + margin;
-        let passes = !self.nodes.is_empty() && nearest.length() <= 1.75 * reach;
+        let passes = !self.nodes.is_empty() && nearest.length() <= BALL * reach;
         let rounding = BOX_ROUNDING * nearest.abs().max_element();
         let depth_per_t = (length * self.space.scale).max(f64::MIN_POSITIVE);
         let depth_of_origin = -origin_to_nearest;

@@ -1,22 +1,19 @@
 //! Neighbouring rays together through the top-level tree.
 //!
-//! 1. Take the numbers for the slab test of each ray, and the least and the largest of them.
+//! 1. Take the numbers for the slab test of each ray, and the intervals around them (`slabs.rs`).
 //! 2. Test the sixteen boxes of a node against these. Put those that any ray may meet onto the
 //!    stack, the nearest last.
 //! 3. Continue with the last entry of the stack. At a leaf test its box against each ray, and give
 //!    out its index with the rays that meet it. The caller may shorten the rays before it asks for
 //!    the next.
-//!
-//! Each operation of the slab test is monotone in its arguments, rounding included. So a box that
-//! the intervals of step 1 miss is missed by every ray, to the bit of its own test.
 
-use super::bvh::{BOX_ROUNDING, Bvh, FARTHEST, WalkStack, push_nearest_last};
+use super::bvh::{BALL, BOX_ROUNDING, Bvh, FARTHEST, WalkStack, push_nearest_last};
 use super::node::{LEAF, Node};
 use super::rays::packet::{RAYS, WorldRays, largest_of, of, of_mut, vector};
 use super::rays::prepare::lowest;
-use super::rays::slabs::SMALLEST;
+use super::rays::slabs::{Intervals, least, slab};
 use super::traverse::mesh_packet::FEWEST;
-use crate::simd::{Aligned, Kernel, LANES, Lanes, WIDE};
+use crate::simd::{Aligned, InLanes, Kernel, LANES, Lanes, WIDE};
 
 /// Rays whose directions differ by more along an axis, or whose starts do in units of the tree, do
 /// not go together.
@@ -43,10 +40,8 @@ pub struct PacketWalk<'a> {
     depth_per_t: [f64; RAYS],
     /// The rays that pass the tree, a bit each.
     alive: u16,
-    /// The least and the largest `inverse` of them, the least of their first ends and the largest
-    /// of their last, and the least `first`.
-    inverses: [[f32; 2]; 3],
-    outermost: [[f32; 2]; 3],
+    /// The intervals around these, and the least `first`.
+    around: Intervals,
     earliest: f32,
 }
 
@@ -90,13 +85,13 @@ impl<'a> Kernel for Begin<'_, 'a> {
             depth_of_origin: [0.0; RAYS],
             depth_per_t: [0.0; RAYS],
             alive: 0,
-            inverses: [[0.0; 2]; 3],
-            outermost: [[0.0; 2]; 3],
+            around: Intervals::ALL,
             earliest: 0.0,
         };
         let passes = [walk.begin_half(l, self.rays, 0)?, walk.begin_half(l, self.rays, 1)?];
         walk.alive = u16::from_le_bytes(passes) & lowest(self.count);
-        walk.find_ends(l);
+        walk.around = Intervals::around(l, walk.alive, &walk.inverse, &walk.ends);
+        walk.earliest = least(l, walk.alive, &walk.first);
         (walk.alive == 0 || walk.is_narrow()).then_some(walk)
     }
 }
@@ -131,21 +126,14 @@ impl PacketWalk<'_> {
             squares = l.add64(squares, l.mul64(nearest[axis], nearest[axis]));
         }
         let reach = l.add64(number(self.bvh.extent * space.scale), margin);
-        let reach = l.mul64(number(1.75), reach);
+        let reach = l.mul64(number(BALL), reach);
         let rounding = l.mul64(number(BOX_ROUNDING), largest_of(l, &nearest));
         let margin = l.add64(margin, rounding);
         for axis in 0..3 {
-            let back = l.lt64(d[axis], zero);
-            let wider = l.select64(back, l.sub64(zero, margin), margin);
-            let smallest = number(f64::from(SMALLEST));
-            let huge = l.div64(number(1.0), l.select64(back, l.sub64(zero, smallest), smallest));
-            let is_small = l.lt64(l.abs64(d[axis]), smallest);
-            let over = l.select64(is_small, huge, l.div64(number(1.0), d[axis]));
-            let minus = l.sub64(zero, over);
+            let (over, [first, last]) = slab(InLanes(l), nearest[axis], d[axis], margin);
             l.store_narrowed(over, of_mut(&mut self.inverse[axis], half));
-            let [first, last] = &mut self.ends[axis];
-            l.store_narrowed(l.mul64(l.add64(nearest[axis], wider), minus), of_mut(first, half));
-            l.store_narrowed(l.mul64(l.sub64(nearest[axis], wider), minus), of_mut(last, half));
+            l.store_narrowed(first, of_mut(&mut self.ends[axis][0], half));
+            l.store_narrowed(last, of_mut(&mut self.ends[axis][1], half));
         }
         let depth_per_t = l.mul64(length, number(space.scale));
         let depth_per_t = l.max64(depth_per_t, number(f64::MIN_POSITIVE));
@@ -159,34 +147,11 @@ impl PacketWalk<'_> {
         Some(if is_empty { 0 } else { l.le64(squares, l.mul64(reach, reach)) })
     }
 
-    /// Finds the ends of the intervals around the rays.
-    #[inline(always)]
-    fn find_ends<L: Lanes>(&mut self, l: L) {
-        let rays = self.alive;
-        macro_rules! least {
-            ($of:expr) => {
-                l.smallest(l.select(rays, l.load($of), l.splat(f32::INFINITY)))
-            };
-        }
-        macro_rules! most {
-            ($of:expr) => {
-                l.largest(l.select(rays, l.load($of), l.splat(f32::NEG_INFINITY)))
-            };
-        }
-        for axis in 0..3 {
-            let (inverse, [first, last]) = (&self.inverse[axis], &self.ends[axis]);
-            self.inverses[axis] = [least!(inverse), most!(inverse)];
-            self.outermost[axis] = [least!(first), most!(last)];
-        }
-        self.earliest = least!(&self.first);
-    }
-
     /// Whether the intervals around the rays are of use. Along an axis a ray goes `1 / inverse` for
     /// each unit of depth, and starts at `-end / inverse`.
     fn is_narrow(&self) -> bool {
         let along = |axis: usize| {
-            let [low, high] = self.inverses[axis];
-            let [first, last] = self.outermost[axis];
+            let ([low, high], [first, last]) = (self.around.inverse[axis], self.around.ends[axis]);
             // Of the same sign, and close enough that the differences of slabs are worth something.
             let ratio = low / high;
             (0.5..2.0).contains(&ratio)
@@ -210,31 +175,12 @@ impl PacketWalk<'_> {
         l.call(Next { walk, limits, stack })
     }
 
-    /// Which of a node's boxes any ray may meet up to the depth `latest`, and from which depths on.
-    #[inline(always)]
-    fn boxes<L: Lanes>(&self, l: L, node: &Node, latest: f32) -> (u16, L::Floats) {
-        let (mut entry, mut exit) = (l.splat(self.earliest), l.splat(latest));
-        for axis in 0..3 {
-            let [low, high] = self.inverses[axis];
-            let is_back = usize::from(low.is_sign_negative());
-            let [first, last] = self.outermost[axis];
-            let (low, high) = (l.splat(low), l.splat(high));
-            let (first, last) = (l.splat(first), l.splat(last));
-            let near = l.load(&node.planes[2 * axis + is_back]);
-            let far = l.load(&node.planes[2 * axis + (is_back ^ 1)]);
-            let enters = l.min(l.mul_add(near, low, first), l.mul_add(near, high, first));
-            let leaves = l.max(l.mul_add(far, low, last), l.mul_add(far, high, last));
-            (entry, exit) = (l.max(entry, enters), l.min(exit, leaves));
-        }
-        (l.le(entry, exit), entry)
-    }
-
     /// Which rays may meet a child's box, each up to its own depth.
     #[inline(always)]
     fn rays<L: Lanes>(&self, l: L, node: &Node, child: usize, last: &[f32; RAYS]) -> u16 {
         let (mut entry, mut exit) = (l.load(&self.first), l.load(last));
         for axis in 0..3 {
-            let is_back = usize::from(self.inverses[axis][0].is_sign_negative());
+            let is_back = usize::from(self.around.inverse[axis][0].is_sign_negative());
             let plane = |side: usize| node.planes[2 * axis + side][child];
             let inverse = l.load(&self.inverse[axis]);
             let [first, last] = &self.ends[axis];
@@ -291,7 +237,8 @@ impl Kernel for Next<'_, '_> {
                     continue;
                 }
             }
-            let (met, entries) = walk.boxes(l, &walk.bvh.nodes[child as usize], latest);
+            let node = &walk.bvh.nodes[child as usize];
+            let (met, entries) = walk.around.boxes(l, node, [walk.earliest, latest]);
             let mut depths = [0.0; LANES];
             l.store(entries, &mut depths);
             push_nearest_last(stack, met, &depths, |k| place_of(child, k));

@@ -313,6 +313,19 @@ pub(super) mod tests {
         }
     }
 
+    impl Mesh {
+        /// A sheet of `side` vertices each way, at the points for the numbers from 0 to `side - 1`.
+        pub(crate) fn sheet(side: u32, point: impl Fn(f64, f64) -> [f64; 3]) -> Self {
+            let points = (0..side * side).map(|k| point(f64::from(k % side), f64::from(k / side)));
+            let cell = |k: u32| {
+                let a = k / (side - 1) * side + k % (side - 1);
+                [[a, a + 1, a + side], [a + 1, a + side + 1, a + side]]
+            };
+            let triangles = (0..(side - 1) * (side - 1)).flat_map(cell).collect();
+            Self::new(Positions::Double(points.collect()), triangles).unwrap()
+        }
+    }
+
     /// A hilly field with `side` squares along a side; its first triangle stands there forty times
     /// more, which is too many for a leaf.
     fn field(side: u32) -> Mesh {

@@ -123,17 +123,7 @@ mod tests {
     use crate::shape::Positions;
 
     fn sheet(side: u32, height: impl Fn(f64, f64) -> f64) -> Mesh {
-        let point = |k: u32| {
-            let (x, y) = (f64::from(k % side), f64::from(k / side));
-            [x, y, height(x, y)]
-        };
-        let positions = (0..side * side).map(point).collect();
-        let cell = |k: u32| {
-            let a = k / (side - 1) * side + k % (side - 1);
-            [[a, a + 1, a + side], [a + 1, a + side + 1, a + side]]
-        };
-        let triangles = (0..(side - 1) * (side - 1)).flat_map(cell).collect();
-        Mesh::new(Positions::Double(positions), triangles).unwrap()
+        Mesh::sheet(side, |x, y| [x, y, height(x, y)])
     }
 
     fn is_around(tree: &MeshTree) -> bool {

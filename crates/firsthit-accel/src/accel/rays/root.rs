@@ -1,17 +1,14 @@
 //! Sixteen rays at the root of a tree: which of them meet any of its boxes, and are they so far
 //! apart that each meets leaves of its own?
 //!
-//! 1. Test the root's sixteen boxes against the least and the largest of the numbers that the slab
-//!    test takes of each ray: most boxes are missed by all.
+//! 1. Test the root's sixteen boxes against the intervals around the rays' numbers (`slabs.rs`):
+//!    most boxes are missed by all.
 //! 2. Test each box that is left against the sixteen rays, a ray in each lane. A ray that meets one
 //!    box alone begins there.
-//!
-//! Each operation of the slab test is monotone in its arguments, rounding included. So a box that
-//! is left out in step 1 is missed by every ray, to the bit of its own test.
 
 use super::packet::{Packet, RAYS};
+use super::slabs::{Intervals, most};
 use crate::accel::mesh_tree::MeshTree;
-use crate::accel::node::Node;
 use crate::shape::Meshes;
 use crate::simd::{Lanes, set_bits};
 
@@ -37,8 +34,11 @@ impl Packet {
                 l.mul_add(plane, inverse[$axis], l.load(&self.ends[$axis][$side]))
             }};
         }
+        let around = Intervals::around(l, self.alive, &self.inverse, &self.ends);
+        let latest = most(l, self.alive, &self.t_max_high);
+        let (candidates, _) = around.boxes(l, root, [0.0, latest]);
         let (mut met, mut several, mut only) = (0, 0, zero);
-        for child in set_bits(self.boxes_of_any(l, root, back)) {
+        for child in set_bits(candidates) {
             let entry = l.max(end!(child, 0, 0), end!(child, 1, 0));
             let exit = l.min(end!(child, 0, 1), end!(child, 1, 1));
             let entry = l.max(entry, l.max(end!(child, 2, 0), zero));
@@ -49,39 +49,6 @@ impl Packet {
         }
         l.store(l.select(several, zero, only), bytemuck::cast_mut(&mut self.begin));
         self.alive &= met;
-    }
-
-    /// The boxes that any ray may meet, a bit each, by the rays that go `back` along each axis.
-    #[inline(always)]
-    fn boxes_of_any<L: Lanes>(&self, l: L, node: &Node, back: [u16; 3]) -> u16 {
-        let rays = self.alive;
-        macro_rules! least {
-            ($numbers:expr) => {
-                l.splat(l.smallest(l.select(rays, l.load($numbers), l.splat(f32::INFINITY))))
-            };
-        }
-        macro_rules! most {
-            ($numbers:expr) => {
-                l.splat(l.largest(l.select(rays, l.load($numbers), l.splat(f32::NEG_INFINITY))))
-            };
-        }
-        let (mut entry, mut exit) = (l.splat(0.0), most!(&self.t_max_high));
-        for axis in 0..3 {
-            let back = back[axis] & rays;
-            if back != 0 && back != rays {
-                // Between steps in both directions are all numbers.
-                continue;
-            }
-            let is_back = usize::from(back != 0);
-            let (low, high) = (least!(&self.inverse[axis]), most!(&self.inverse[axis]));
-            let [first, last] = &self.ends[axis];
-            let (first, last) = (least!(first), most!(last));
-            let near = l.load(&node.planes[2 * axis + is_back]);
-            let far = l.load(&node.planes[2 * axis + (is_back ^ 1)]);
-            entry = l.max(entry, l.min(l.mul_add(near, low, first), l.mul_add(near, high, first)));
-            exit = l.min(exit, l.max(l.mul_add(far, low, last), l.mul_add(far, high, last)));
-        }
-        l.le(entry, exit)
     }
 
     /// Whether the first and the last ray are so far apart at the mesh that each ray meets leaves
@@ -115,20 +82,12 @@ impl Packet {
 mod tests {
     use super::*;
     use crate::geometry::{DVec3, Ray};
-    use crate::shape::{Mesh, Positions};
+    use crate::shape::Mesh;
     use crate::simd::{self, InstructionSet, Kernel};
 
     /// A sheet of `2 * 40 * 40` triangles from -1 to 1 that is not flat.
     fn sheet() -> Mesh {
-        let place = |k: u32| f64::from(k) / 20.0 - 1.0;
-        let height = |k: u32| 0.3 * libm::sin(f64::from(k % 41) + f64::from(k / 41));
-        let points = (0..41 * 41).map(|k| [place(k % 41), place(k / 41), height(k)]);
-        let cell = |k: u32| {
-            let a = k / 40 * 41 + k % 40;
-            [[a, a + 1, a + 41], [a + 1, a + 42, a + 41]]
-        };
-        let triangles = (0..40 * 40).flat_map(cell).collect();
-        Mesh::new(Positions::Double(points.collect()), triangles).unwrap()
+        Mesh::sheet(41, |x, y| [x / 20.0 - 1.0, y / 20.0 - 1.0, 0.3 * libm::sin(x + y)])
     }
 
     /// Sixteen rays at the root of a tree.

@@ -1,6 +1,12 @@
-//! The slab test of one ray with the sixteen boxes of a node.
+//! The slab test of one ray with the sixteen boxes of a node, and of the intervals around several
+//! rays' numbers.
+//!
+//! Each operation of the test is monotone in its arguments, rounding included. So a box that the
+//! intervals miss is missed by every ray, to the bit of its own test.
 
+use super::packet::RAYS;
 use crate::accel::node::Node;
+use crate::geometry::arithmetic::{Arithmetic, Scalar};
 use crate::geometry::{DVec3, arrays};
 use crate::simd::Lanes;
 
@@ -18,6 +24,23 @@ pub(in crate::accel) struct Slabs {
 /// taken to be a huge number of its sign, which still tells inside from outside.
 pub(in crate::accel) const SMALLEST: f32 = 1e-30;
 
+/// One over a component of a direction, and the two [ends](Slabs::ends) along its axis.
+#[inline(always)]
+pub(in crate::accel) fn slab<A: Arithmetic>(
+    of: A,
+    start: A::Number,
+    direction: A::Number,
+    margin: A::Number,
+) -> (A::Number, [A::Number; 2]) {
+    let (zero, smallest) = (of.number(0.0), of.number(f64::from(SMALLEST)));
+    let back = of.lt(direction, zero);
+    let minus_if_back = |x: A::Number| of.select(back, of.sub(zero, x), x);
+    let is_small = of.lt(minus_if_back(direction), smallest);
+    let over = of.div(of.number(1.0), of.select(is_small, minus_if_back(smallest), direction));
+    let (wider, minus) = (minus_if_back(margin), of.sub(zero, over));
+    (over, [of.mul(of.add(start, wider), minus), of.mul(of.sub(start, wider), minus)])
+}
+
 impl Slabs {
     /// The slabs of a ray whose direction has a largest component of one, for boxes that seem wider
     /// by `margin`.
@@ -26,17 +49,9 @@ impl Slabs {
     pub(in crate::accel) fn new(start: DVec3, direction: DVec3, margin: f64) -> Self {
         let (mut inverse, mut ends) = ([0.0; 3], [[0.0; 2]; 3]);
         for axis in 0..3 {
-            let is_back = direction[axis] < 0.0;
-            let wider = if is_back { -margin } else { margin };
-            let smallest = f64::from(SMALLEST);
-            let over = if direction[axis].abs() < smallest {
-                (1.0 / smallest).copysign(wider)
-            } else {
-                1.0 / direction[axis]
-            };
+            let (over, both) = slab(Scalar, start[axis], direction[axis], margin);
             inverse[axis] = over as f32;
-            let start = start[axis];
-            ends[axis] = arrays::map([start + wider, start - wider], |end| (end * -over) as f32);
+            ends[axis] = arrays::map(both, |end| end as f32);
         }
         Self { inverse, ends }
     }
@@ -65,4 +80,77 @@ impl Slabs {
         let exit = l.min(l.min(end!(0, 1), end!(1, 1)), l.min(end!(2, 1), l.splat(last)));
         (l.le(entry, exit), entry)
     }
+}
+
+/// The least and the largest of the numbers that some rays' slab tests take.
+pub(in crate::accel) struct Intervals {
+    /// Of one over the direction along each axis; all numbers where rays go in both directions.
+    pub(in crate::accel) inverse: [[f32; 2]; 3],
+    /// The least of the first ends, and the largest of the last.
+    pub(in crate::accel) ends: [[f32; 2]; 3],
+}
+
+impl Intervals {
+    /// The intervals before there is a ray: all numbers.
+    pub(in crate::accel) const ALL: Self = Self {
+        inverse: [[f32::NEG_INFINITY, f32::INFINITY]; 3],
+        ends: [[f32::NEG_INFINITY, f32::INFINITY]; 3],
+    };
+
+    /// The intervals around the numbers of `rays`.
+    #[inline(always)]
+    pub(in crate::accel) fn around<L: Lanes>(
+        l: L,
+        rays: u16,
+        inverse: &[[f32; RAYS]; 3],
+        ends: &[[[f32; RAYS]; 2]; 3],
+    ) -> Self {
+        let mut around = Self::ALL;
+        for axis in 0..3 {
+            let back = l.lt(l.load(&inverse[axis]), l.splat(0.0)) & rays;
+            if back == 0 || back == rays {
+                let ([first, last], inverse) = (&ends[axis], &inverse[axis]);
+                around.inverse[axis] = [least(l, rays, inverse), most(l, rays, inverse)];
+                around.ends[axis] = [least(l, rays, first), most(l, rays, last)];
+            }
+        }
+        around
+    }
+
+    /// The boxes of a node that any ray may meet at depths from `first` to `last`, and the depths.
+    #[inline(always)]
+    pub(in crate::accel) fn boxes<L: Lanes>(
+        &self,
+        l: L,
+        node: &Node,
+        [first, last]: [f32; 2],
+    ) -> (u16, L::Floats) {
+        let (mut entry, mut exit) = (l.splat(first), l.splat(last));
+        for axis in 0..3 {
+            let [low, high] = self.inverse[axis];
+            let is_back = usize::from(high < 0.0);
+            if is_back == 0 && low < 0.0 {
+                continue;
+            }
+            let (low, high) = (l.splat(low), l.splat(high));
+            let [first, last] = arrays::map(self.ends[axis], |end| l.splat(end));
+            let near = l.load(&node.planes[2 * axis + is_back]);
+            let far = l.load(&node.planes[2 * axis + (is_back ^ 1)]);
+            entry = l.max(entry, l.min(l.mul_add(near, low, first), l.mul_add(near, high, first)));
+            exit = l.min(exit, l.max(l.mul_add(far, low, last), l.mul_add(far, high, last)));
+        }
+        (l.le(entry, exit), entry)
+    }
+}
+
+/// The least of some rays' numbers.
+#[inline(always)]
+pub(in crate::accel) fn least<L: Lanes>(l: L, rays: u16, numbers: &[f32; RAYS]) -> f32 {
+    l.smallest(l.select(rays, l.load(numbers), l.splat(f32::INFINITY)))
+}
+
+/// The largest of some rays' numbers.
+#[inline(always)]
+pub(in crate::accel) fn most<L: Lanes>(l: L, rays: u16, numbers: &[f32; RAYS]) -> f32 {
+    l.largest(l.select(rays, l.load(numbers), l.splat(f32::NEG_INFINITY)))
 }

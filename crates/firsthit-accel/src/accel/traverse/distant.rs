@@ -17,6 +17,7 @@
 //! they have 106 bits, six of which are for the up to 24 sums. The part of that error across the
 //! ray is the blur of the ray that is traversed.
 
+use crate::accel::bvh::BALL;
 use crate::accel::space::Space;
 use crate::geometry::arithmetic::Scalar;
 use crate::geometry::double::{Double, between, product, sum};
@@ -94,7 +95,7 @@ impl Approach {
         let off = across.map(|k| error[k] + along * direction[k].abs());
         let off = off.fold(0.0, f64::max);
         // The tree is in the cube from -1 to 1, and that in a sphere.
-        if nearest.length() > 1.75 + 4.0 * error.max_element() {
+        if nearest.length() > BALL + 4.0 * error.max_element() {
             return Self::Past;
         }
         if off > 1e-4 {

@@ -289,21 +289,9 @@ mod tests {
         }
     }
 
-    /// A sheet of `2 * 40 * 40` triangles from -1 to 1.
-    fn sheet() -> Mesh {
-        let place = |k: u32| f64::from(k) / 20.0 - 1.0;
-        let points = (0..41 * 41).map(|k| [place(k % 41), place(k / 41), 0.0]);
-        let cell = |k: u32| {
-            let a = k / 40 * 41 + k % 40;
-            [[a, a + 1, a + 41], [a + 1, a + 42, a + 41]]
-        };
-        let triangles = (0..40 * 40).flat_map(cell).collect();
-        Mesh::new(Positions::Double(points.collect()), triangles).unwrap()
-    }
-
     #[test]
     fn short_rays_go_together_and_long_ones_do_not() {
-        let mesh = sheet();
+        let mesh = Mesh::sheet(41, |x, y| [x / 20.0 - 1.0, y / 20.0 - 1.0, 0.0]);
         let tree = MeshTree::build(&mesh);
         for set in InstructionSet::available() {
             for (reach, goes) in [(0.3, true), (1e-6, true), (3.0, false), (f64::INFINITY, false)] {
