@@ -39,57 +39,35 @@ mod walks;
 
 pub use crate::simd::InstructionSet;
 pub use bvh::Bvh;
-#[doc(hidden)]
-pub use bvh::WalkStack;
-#[doc(hidden)]
-pub use eight_crossings::{Corners, RayBundle, SharedTriangle, eight_crossings};
 pub use mesh_tree::MeshTree;
 #[doc(hidden)]
-pub use meshlet::Meshlet;
-#[doc(hidden)]
-pub use nearby::Nearby;
-#[doc(hidden)]
-pub use node::Node;
-#[doc(hidden)]
-pub use packet_walk::PacketWalk;
-#[doc(hidden)]
-pub use rays::enter::product_along;
-#[doc(hidden)]
-pub use rays::packet::{Packet, RAYS, WorldRays};
-#[doc(hidden)]
-pub use rays::trees::{TreePerRay, Trees};
-#[doc(hidden)]
-pub use stored::{TreeFacts, TreeParts};
-#[doc(hidden)]
-pub use tile::frustum::{TileCamera, TileFrustum};
-#[doc(hidden)]
-pub use tile::traverse::{TileScratch, fill_buffer};
-#[doc(hidden)]
-pub use tile::visibility::{
-    BLOCK, Displacements, ExactTest, TILE, TriangleId, VisibilityBuffer, block_and_lane,
-    row_and_column,
+pub use {
+    bvh::WalkStack,
+    eight_crossings::{Corners, RayBundle, SharedTriangle, eight_crossings},
+    meshlet::Meshlet,
+    nearby::Nearby,
+    node::Node,
+    packet_walk::PacketWalk,
+    rays::enter::product_along,
+    rays::packet::{Packet, RAYS, WorldRays},
+    rays::trees::{TreePerRay, Trees},
+    stored::{TreeFacts, TreeParts},
+    tile::frustum::{TileCamera, TileFrustum},
+    tile::traverse::{TileScratch, fill_buffer},
+    tile::visibility::{
+        BLOCK, Displacements, ExactTest, TILE, TriangleId, VisibilityBuffer, block_and_lane,
+        row_and_column,
+    },
+    traverse::all::{All, CrossingList},
+    traverse::any::Any,
+    traverse::count::Count,
+    traverse::dispatch::{Traversal, TraversalMemory},
+    traverse::each::{END, EachCandidate},
+    traverse::filtered::FilteredQuery,
+    traverse::first::First,
+    traverse::mesh_packet::{FEWEST, IsAfter, MeshPacket, SettleExactly},
+    traverse::nearest::each_near,
+    traverse::query::{MeshQuery, Sink},
+    traverse::single::{Scratch, query_mesh, query_mesh_filtered},
+    walks::Walks,
 };
-#[doc(hidden)]
-pub use traverse::all::{All, CrossingList};
-#[doc(hidden)]
-pub use traverse::any::Any;
-#[doc(hidden)]
-pub use traverse::count::Count;
-#[doc(hidden)]
-pub use traverse::dispatch::{Traversal, TraversalMemory};
-#[doc(hidden)]
-pub use traverse::each::{END, EachCandidate};
-#[doc(hidden)]
-pub use traverse::filtered::FilteredQuery;
-#[doc(hidden)]
-pub use traverse::first::First;
-#[doc(hidden)]
-pub use traverse::mesh_packet::{FEWEST, IsAfter, MeshPacket, SettleExactly};
-#[doc(hidden)]
-pub use traverse::nearest::each_near;
-#[doc(hidden)]
-pub use traverse::query::{MeshQuery, Sink};
-#[doc(hidden)]
-pub use traverse::single::{Scratch, query_mesh, query_mesh_filtered};
-#[doc(hidden)]
-pub use walks::Walks;

@@ -2,7 +2,6 @@
 
 mod inside;
 
-use super::bundle::RayOf;
 use super::{Crossing, Nearest, Surface, similarity, sines};
 use crate::error::Result;
 use crate::geometry::arithmetic::Scalar;
@@ -99,8 +98,7 @@ impl Surface for Cone {
     }
 
     fn intersect(&self, ray: &Ray) -> Option<Crossing> {
-        let ray = RayOf::from(ray);
-        self.first(Scalar, &ray).single()
+        self.first(Scalar, &ray.into()).single()
     }
 
     fn crossings(&self, ray: &Ray) -> [Option<Crossing>; 2] {

@@ -81,8 +81,7 @@ impl Surface for Cuboid {
     }
 
     fn intersect(&self, ray: &Ray) -> Option<Crossing> {
-        let ray = RayOf::from(ray);
-        self.first(Scalar, &ray).single()
+        self.first(Scalar, &ray.into()).single()
     }
 
     fn crossings(&self, ray: &Ray) -> [Option<Crossing>; 2] {

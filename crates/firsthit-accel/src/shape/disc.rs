@@ -79,8 +79,7 @@ impl Surface for Disc {
     }
 
     fn intersect(&self, ray: &Ray) -> Option<Crossing> {
-        let ray = RayOf::from(ray);
-        self.first(Scalar, &ray).single()
+        self.first(Scalar, &ray.into()).single()
     }
 
     #[inline(always)]

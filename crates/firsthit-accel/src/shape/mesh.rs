@@ -1,4 +1,4 @@
-//! Triangles over shared vertices: the mesh itself. What else it knows is in `mesh/attributes.rs`,
+//! Triangles over shared vertices: the mesh itself. Its attributes are in `mesh/attributes.rs`,
 //! how rays meet it in `mesh/crossing.rs`.
 
 mod asked;
@@ -19,18 +19,16 @@ mod surface;
 mod tangents;
 mod weld;
 
-#[doc(hidden)]
-pub use crowds::Crowds;
-#[doc(hidden)]
-pub use disjoint_sets::DisjointSets;
-#[doc(hidden)]
-pub use facing::{Facing, edges, sorted};
 pub use named::NamedAttribute;
-#[doc(hidden)]
-pub use stored::MeshParts;
 pub(crate) use stored::are_below;
 #[doc(hidden)]
-pub use weld::Welded;
+pub use {
+    crowds::Crowds,
+    disjoint_sets::DisjointSets,
+    facing::{Facing, edges, sorted},
+    stored::MeshParts,
+    weld::Welded,
+};
 
 use std::fmt::{self, Debug, Formatter};
 use std::sync::Arc;

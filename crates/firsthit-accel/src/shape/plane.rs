@@ -77,8 +77,7 @@ impl Surface for Plane {
     }
 
     fn intersect(&self, ray: &Ray) -> Option<Crossing> {
-        let ray = RayOf::from(ray);
-        self.first(Scalar, &ray).single()
+        self.first(Scalar, &ray.into()).single()
     }
 
     #[inline(always)]

@@ -98,8 +98,7 @@ impl Surface for Sphere {
     }
 
     fn intersect(&self, ray: &Ray) -> Option<Crossing> {
-        let ray = RayOf::from(ray);
-        self.first(Scalar, &ray).single()
+        self.first(Scalar, &ray.into()).single()
     }
 
     fn crossings(&self, ray: &Ray) -> [Option<Crossing>; 2] {
