@@ -20,6 +20,7 @@ mod fingerprint;
 mod interaction;
 mod joined;
 mod light;
+mod lighting;
 mod likely_up;
 mod material;
 mod object;
@@ -48,27 +49,19 @@ pub use object::Object;
 pub use texture::{Filter, Sample, Texture, TextureMap, UvSet, Wrap};
 
 #[doc(hidden)]
-pub use duplicates::Duplicates;
-#[doc(hidden)]
-pub use emitters::Emitters;
-#[doc(hidden)]
-pub use environment::Hemispheres;
-#[doc(hidden)]
-pub use extent::support;
-#[doc(hidden)]
-pub use interaction::compute_geometry;
-#[doc(hidden)]
-pub use joined::{Group, ObjectTree};
-#[doc(hidden)]
-pub use light::{PreparedLight, Sun, form_factor};
-#[doc(hidden)]
-pub use material::Lambertian;
-#[doc(hidden)]
-pub use stored::SceneParts;
-#[doc(hidden)]
-pub use terminator::terminator_factor;
-#[doc(hidden)]
-pub use top_tree::{CandidateList, NearbyObjects, ObjectCandidates, PacketCandidates};
+pub use {
+    duplicates::Duplicates,
+    emitters::Emitters,
+    environment::Hemispheres,
+    extent::support,
+    interaction::compute_geometry,
+    joined::{Group, ObjectTree},
+    light::{PreparedLight, Sun, form_factor},
+    material::Lambertian,
+    stored::SceneParts,
+    terminator::terminator_factor,
+    top_tree::{CandidateList, NearbyObjects, ObjectCandidates, PacketCandidates},
+};
 
 use build::object_trees;
 use top_tree::TopTree;
@@ -205,7 +198,7 @@ impl Scene {
         Ok(self.clone())
     }
 
-    /// A scene of other objects, with the same lights, coloured as this one. What did not change is
+    /// A scene of other objects, with the same lights, coloured as this one. Unchanged parts are
     /// shared: the tree over a mesh that this scene has too is not built again. A mesh in the place
     /// of one with the same triangles and other vertices gets that one's tree: its boxes are fitted
     /// to the new vertices, unless that would make a poor tree.
@@ -339,86 +332,10 @@ impl Scene {
         self.up.unwrap_or(DVec3::Z)
     }
 
-    /// The scene with other lights.
-    pub fn with_lights(mut self, lights: Vec<Light>) -> Self {
-        self.derived.fingerprint = OnceLock::new();
-        Self { lights, has_own_lights: true, ..self }
-    }
-
-    /// The scene with another environment, or none.
-    pub fn with_environment(mut self, environment: Option<Arc<Environment>>) -> Self {
-        self.derived.fingerprint = OnceLock::new();
-        Self { environment, has_own_environment: true, ..self }
-    }
-
-    /// The scene with lights that were chosen automatically, such as one that goes with the camera:
-    /// they are not part of its [fingerprint](Self::fingerprint).
-    pub fn with_automatic_lights(mut self, lights: Vec<Light>) -> Self {
-        // With none of its own, the fingerprint is still true.
-        if !self.lights.is_empty() && self.has_own_lights {
-            self.derived.fingerprint = OnceLock::new();
-        }
-        Self { lights, has_own_lights: false, ..self }
-    }
-
-    /// The scene with an environment that was chosen automatically, or none.
-    pub fn with_borrowed_environment(mut self, environment: Option<Arc<Environment>>) -> Self {
-        if self.environment.is_some() && self.has_own_environment {
-            self.derived.fingerprint = OnceLock::new();
-        }
-        Self { environment, has_own_environment: false, ..self }
-    }
-
     /// The objects, in the order of their identifiers.
     #[inline]
     pub fn objects(&self) -> &[Object] {
         &self.objects
-    }
-
-    /// The lights; none until some are set.
-    #[inline]
-    pub fn lights(&self) -> &[Light] {
-        &self.lights
-    }
-
-    /// The light from all around, if there is any.
-    #[inline]
-    pub fn environment(&self) -> Option<&Environment> {
-        self.environment.as_deref()
-    }
-
-    /// The surfaces that shine.
-    #[doc(hidden)]
-    pub fn emitters(&self) -> &Emitters {
-        parallel::once::<Arc<_>>(&self.derived.places.emitters, || Arc::new(Emitters::new(self)))
-    }
-
-    /// Whether some surfaces may let light through by their alpha.
-    pub fn has_translucent(&self) -> bool {
-        let has_some = |object: &Object| object.materials().iter().any(Material::is_translucent);
-        *parallel::once(&self.derived.translucent, || self.objects.iter().any(has_some))
-    }
-
-    /// Fails for light that makes no sense, the scene's own or borrowed: lights, an environment and
-    /// emissions that are negative or not finite.
-    ///
-    /// # Errors
-    ///
-    /// [`Error::Argument`], with the number's name.
-    #[doc(hidden)]
-    pub fn check_light(&self) -> Result<()> {
-        self.lights.iter().try_for_each(Light::check)?;
-        if let Some(environment) = &self.environment {
-            environment.check()?;
-        }
-        let mut materials = (self.objects.iter()).flat_map(|object| object.materials().iter());
-        materials.try_for_each(Material::check_emission)
-    }
-
-    /// Whether nothing shines: neither lights nor an environment nor surfaces.
-    pub fn is_unlit(&self) -> bool {
-        let has_light = !self.lights.is_empty() || self.environment.is_some();
-        !has_light && !self.emitters().has_any()
     }
 
     /// The number of triangles in the world: those of a shared mesh once for each object.
