@@ -57,6 +57,12 @@ pub(super) fn fill_batch<S: Sink>(
     simd::run(set, batch);
 }
 
+/// Whether all threads have enough of so many bands of a picture; with fewer, one of them would be
+/// waited for.
+pub(super) fn are_enough(bands: usize) -> bool {
+    bands >= 8 * rayon::current_num_threads()
+}
+
 /// Fills a sink, `size` rays at a time, by all threads of the current rayon pool.
 pub(super) fn each_chunk<S: Sink>(
     sink: S,
@@ -334,7 +340,7 @@ fn set_filters(
         unseen |= u16::from(is_behind) << lane;
         let start = departure.map(|point| point.rounded);
         if !is_easy {
-            // What is unsure of one ray widens the bounds of all.
+            // The error of one ray widens the bounds of all.
             *filter = MeshFilter::NONE;
         }
         if let Some(start) = start {

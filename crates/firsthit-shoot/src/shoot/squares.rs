@@ -1,7 +1,7 @@
 //! A picture's rays that tiles do not serve, in squares of the picture: so those of a packet are
 //! neighbours on all sides, and what rays have brought into the cache the next ones need.
 
-use super::batch::{BATCH, each_chunk, fill_batch};
+use super::batch::{BATCH, are_enough, each_chunk, fill_batch};
 use super::hits::{HitSlices, Hits};
 use crate::accel::InstructionSet;
 use crate::error::Result;
@@ -24,9 +24,7 @@ pub(super) fn trace_picture(
     hits: HitSlices<'_>,
     watch: &dyn Watch,
 ) -> Result<()> {
-    // Enough bands for all threads; fewer, and one of them would be waited for.
-    let is_tall = hits.t.len() / columns >= 8 * rayon::current_num_threads() * TALL;
-    let tall = if is_tall { TALL } else { BLOCK };
+    let tall = if are_enough(hits.t.len() / columns / TALL) { TALL } else { BLOCK };
     let wide = columns.min(BATCH / tall);
     each_chunk(hits, tall * columns, watch, |band, mut out| {
         let mut found = Hits {

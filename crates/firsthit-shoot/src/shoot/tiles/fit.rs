@@ -6,7 +6,7 @@
 //!    there is no camera.
 //! 4. Each tile measures how far its rays are off the grid, and adds that to its bounds.
 //!
-//! The grid only serves to rule triangles out. What decides, and where they are met, are the rays
+//! The grid only serves to rule triangles out. Hits and their places are those of the rays
 //! themselves.
 //!
 //! Rays that go through no flat grid, as a fisheye's, are fitted tile by tile (`tile_rays.rs`).
@@ -155,14 +155,14 @@ fn columns(rays: &dyn Rays) -> Option<(usize, usize)> {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
 
-    /// Forty rows of seventy rays.
-    fn array(is_parallel: bool) -> Vec<Ray> {
+    /// A grid of forty rows and seventy columns.
+    pub(in super::super) fn pixels(is_parallel: bool) -> PixelGrid {
         let toward = DVec3::new(-3.0, 2.5, -0.5).normalize();
         let right = toward.cross(DVec3::new(0.1, 0.2, 1.0)).normalize();
-        let grid = PixelGrid {
+        PixelGrid {
             rows: 40,
             columns: 70,
             first: [0, 0],
@@ -176,7 +176,11 @@ mod tests {
             parallel: is_parallel.then_some(toward),
             starts_on_viewplane: false,
             offset: PixelGrid::CENTRE,
-        };
+        }
+    }
+
+    fn array(is_parallel: bool) -> Vec<Ray> {
+        let grid = pixels(is_parallel);
         (0..40 * 70).map(|k| grid.ray(k / 70, k % 70)).collect()
     }
 

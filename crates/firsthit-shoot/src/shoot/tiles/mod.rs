@@ -16,7 +16,7 @@ use super::hits::HitSlices;
 use super::squares::trace_picture;
 use crate::accel::InstructionSet;
 use crate::error::Result;
-use crate::geometry::{PixelGrid, Ray, RayFilter, Rays};
+use crate::geometry::{PixelGrid, Ray, Rays};
 use crate::scene::Scene;
 use crate::simd;
 use crate::watch::Watch;
@@ -67,7 +67,7 @@ pub(super) fn trace_hits(
     trace_array(set, scene, &Later { rays, first }, after, watch)
 }
 
-/// The rays from one on.
+/// The rays from one on, which have no filters.
 struct Later<'a> {
     rays: &'a dyn Rays,
     first: usize,
@@ -92,13 +92,5 @@ impl Rays for Later<'_> {
 
     fn read_directions(&self, first: usize, directions: [&mut [f64]; 3]) {
         self.rays.read_directions(self.first + first, directions);
-    }
-
-    fn is_filtered(&self) -> bool {
-        self.rays.is_filtered()
-    }
-
-    fn filter(&self, index: usize) -> RayFilter {
-        self.rays.filter(self.first + index)
     }
 }

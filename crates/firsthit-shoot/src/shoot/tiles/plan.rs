@@ -8,6 +8,7 @@ use crate::accel::{TILE, TileCamera};
 use crate::geometry::{Bounds, DMat3, DVec3, PixelGrid, Rays, arrays};
 use crate::scene::{Object, Scene};
 use crate::shape::Surface;
+use crate::shoot::batch::are_enough;
 
 /// The largest rounding of an object's transform, as a share of coordinates, for which its box is
 /// of use.
@@ -119,10 +120,8 @@ impl<'a> Plan<'a> {
             return None;
         }
         meshes.sort_by(|a: &Placed, b| a.entry.total_cmp(&b.entry));
-        // Enough bands for all threads; fewer, and one of them would be waited for.
-        let many = 8 * rayon::current_num_threads();
-        let tiles_down = if grid.rows >= many * TALL * TILE { TALL } else { 1 };
-        let is_of_use = is_tiled.contains(&true) || matches!(rest, Rest::Shapes(_));
+        let tiles_down = if are_enough(grid.rows / (TALL * TILE)) { TALL } else { 1 };
+        let is_of_use = !meshes.is_empty() || !matches!(rest, Rest::Any);
         is_of_use.then_some(Self {
             scene,
             rays,
@@ -222,7 +221,7 @@ fn placed(grid: &PixelGrid, (index, object): (u32, &Object), bounds: Bounds) -> 
     if !(is_in_front && low.is_finite() && high.is_finite()) {
         return Some(whole);
     }
-    // What the rounding of a point comes to on the viewplane: a wrong depth moves it by its share,
+    // The error of a point on the viewplane: a wrong depth moves it by its share,
     // as far as it is aside.
     let nearest = low.z - slack.z;
     let blur = |slack_across: f64, aside: f64| {
@@ -366,5 +365,31 @@ pub(super) fn camera_of_tile(
             * (start.abs().max_element()
                 + translation.abs().max_element()
                 + centre.abs().max_element()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use super::super::fit::tests::pixels;
+    use super::*;
+    use crate::geometry::Ray;
+    use crate::shape::{Mesh, Positions, Sphere};
+
+    /// More spheres than a tile lists are left to the tree over the objects, for packets of rays.
+    #[test]
+    fn tiles_are_not_taken_for_a_hidden_mesh() {
+        let corners = Positions::compact(vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]]);
+        let mesh = Object::new(Arc::new(Mesh::new(corners, vec![[0, 1, 2]]).unwrap()));
+        let rays = Vec::<Ray>::new();
+        let ball = |k| Object::new(Sphere::new(f64::from(k) * DVec3::X, 0.4).unwrap());
+        for (last, is_hidden, is_tiled) in [(65, true, false), (65, false, true), (64, true, true)]
+        {
+            let objects = (0..last).map(ball).chain([mesh.clone().hidden(is_hidden)]);
+            let scene = Scene::new(objects.collect()).unwrap();
+            let plan = Plan::new(&scene, &rays, pixels(false), GridSource::Grid);
+            assert_eq!(plan.is_some(), is_tiled, "{last} {is_hidden}");
+        }
     }
 }
