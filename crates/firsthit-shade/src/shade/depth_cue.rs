@@ -11,6 +11,33 @@ pub(super) const COLOR: Color = match Background::NEUTRAL {
     _ => Color::ZERO,
 };
 
+/// Makes the settings of a shader: its own, and those of faces and of depth cueing.
+macro_rules! depth_cued {
+    ($(#[$doc:meta])* pub struct $kind:ident { $($own:tt)* }) => {
+        $crate::geometry::settings! {
+            $(#[$doc])*
+            pub struct $kind {
+                $($own)*
+                /// Whether faces have their own normals, in place of smooth ones.
+                flat: bool, Domain::Flag, default false;
+                /// The distance at which colours begin to fade, in scene units.
+                depth_near: f64, Domain::NonNegative, default 0.0;
+                /// The distance at which they are all `depth_color`; by default nowhere.
+                depth_far: f64, Domain::PositiveOrInfinite, default f64::INFINITY;
+                /// The colour that distant surfaces fade to; by default the default background.
+                depth_color: Color, Domain::Color, default $crate::shade::depth_cue::COLOR;
+            }
+        }
+
+        impl From<&$kind> for $crate::shade::depth_cue::DepthCue {
+            fn from(of: &$kind) -> Self {
+                Self { near: of.depth_near, far: of.depth_far, color: of.depth_color }
+            }
+        }
+    };
+}
+pub(super) use depth_cued;
+
 /// Colours fade to another one, in proportion to how far a hit is between two distances from the
 /// start of its ray.
 #[derive(Debug, Clone, Copy)]

@@ -2,13 +2,13 @@
 //! over those behind (Porter and Duff, "Compositing Digital Images", SIGGRAPH 1984).
 
 use super::crossings::Crossings;
-use super::depth_cue;
+use super::depth_cue::depth_cued;
 use super::lambert::{self, Lambert};
 use super::{Points, Shading};
-use crate::geometry::{Color, Domain, settings};
+use crate::geometry::{Color, Domain};
 use crate::scene::compute_geometry;
 
-settings! {
+depth_cued! {
     /// The settings of the ghost shader.
     pub struct Ghost {
         /// The opacity of each surface, from 0 to 1.
@@ -17,14 +17,6 @@ settings! {
         ambient: Color, Domain::Color, default Color::splat(0.25);
         /// Whether things cast shadows, those of things that are not translucent.
         shadows: bool, Domain::Flag, default false;
-        /// Whether faces have their own normals, in place of smooth ones.
-        flat: bool, Domain::Flag, default false;
-        /// The distance at which colours begin to fade, in scene units.
-        depth_near: f64, Domain::NonNegative, default 0.0;
-        /// The distance at which they are all `depth_color`; by default nowhere.
-        depth_far: f64, Domain::PositiveOrInfinite, default f64::INFINITY;
-        /// The colour that distant surfaces fade to; by default the default background.
-        depth_color: Color, Domain::Color, default depth_cue::COLOR;
     }
 }
 

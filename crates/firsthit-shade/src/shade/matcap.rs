@@ -2,12 +2,12 @@
 //! Gooch and Gooch, "The Lit Sphere: A Model for Capturing NPR Shading from Art", Graphics
 //! Interface 2001). The sphere is not a picture, but a formula.
 
-use super::depth_cue::{self, DepthCue};
+use super::depth_cue::{DepthCue, depth_cued};
 use super::{Points, Shading, seen_normal};
-use crate::geometry::{Color, DVec3, Domain, settings, unit};
+use crate::geometry::{Color, DVec3, Domain, unit};
 use crate::sampling::TangentFrame;
 
-settings! {
+depth_cued! {
     /// The settings of the matcap. The default ones are those of clay.
     pub struct Matcap {
         /// The side that is lit, from the upper left.
@@ -18,14 +18,6 @@ settings! {
         gloss: f64, Domain::From(0.0, 1.0), default 0.1;
         /// The darkening of edges, from 0, none, to 1, black.
         rim: f64, Domain::From(0.0, 1.0), default 0.5;
-        /// Whether faces have their own normals, in place of smooth ones.
-        flat: bool, Domain::Flag, default false;
-        /// The distance at which colours begin to fade, in scene units.
-        depth_near: f64, Domain::NonNegative, default 0.0;
-        /// The distance at which they are all `depth_color`; by default nowhere.
-        depth_far: f64, Domain::PositiveOrInfinite, default f64::INFINITY;
-        /// The colour that distant surfaces fade to; by default the default background.
-        depth_color: Color, Domain::Color, default depth_cue::COLOR;
     }
 }
 
@@ -46,12 +38,7 @@ pub(super) fn shade(
         // A triangle without an area has no normal: it faces the viewer.
         *color = settings.painted(*color, if in_frame.is_nan() { DVec3::Z } else { in_frame });
     }
-    let cue = DepthCue {
-        near: settings.depth_near,
-        far: settings.depth_far,
-        color: settings.depth_color,
-    };
-    cue.fade(points, colors);
+    DepthCue::from(settings).fade(points, colors);
 }
 
 /// The frame of a ray, in a world with that direction upwards: right, up and back. Each ray has its

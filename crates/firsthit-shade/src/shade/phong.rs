@@ -1,11 +1,11 @@
 //! Highlights: a share of the light around the direction of a mirror, as a power of a cosine.
 
-use super::depth_cue::{self, DepthCue};
+use super::depth_cue::{DepthCue, depth_cued};
 use super::lit::{HardLighting, Incoming, Lit, Reflection};
 use super::{Points, Shading};
-use crate::geometry::{Color, DVec3, Domain, settings, unit};
+use crate::geometry::{Color, DVec3, Domain, unit};
 
-settings! {
+depth_cued! {
     /// The settings of the shaders of Phong and Blinn. Surfaces are lit on both sides.
     pub struct Phong {
         /// Light from everywhere, which nothing blocks.
@@ -19,14 +19,6 @@ settings! {
         shininess: f64, Domain::Positive, default 32.0;
         /// Whether things cast shadows.
         shadows: bool, Domain::Flag, default true;
-        /// Whether faces have their own normals, in place of smooth ones.
-        flat: bool, Domain::Flag, default false;
-        /// The distance at which colours begin to fade, in scene units.
-        depth_near: f64, Domain::NonNegative, default 0.0;
-        /// The distance at which they are all `depth_color`; by default nowhere.
-        depth_far: f64, Domain::PositiveOrInfinite, default f64::INFINITY;
-        /// The colour that distant surfaces fade to; by default the default background.
-        depth_color: Color, Domain::Color, default depth_cue::COLOR;
     }
 }
 
@@ -75,12 +67,7 @@ fn shade_by(
     let &Phong { flat, shadows, .. } = settings;
     let glossy = Glossy { settings, highlight };
     HardLighting { flat, shadows }.shade(&glossy, shading, points, colors);
-    let cue = DepthCue {
-        near: settings.depth_near,
-        far: settings.depth_far,
-        color: settings.depth_color,
-    };
-    cue.fade(points, colors);
+    DepthCue::from(settings).fade(points, colors);
 }
 
 /// A matte part and a highlight, which is a power of some cosine.
