@@ -1,16 +1,7 @@
 //! Reads outputs back: our own, and other programs' files in the same formats.
 
 // A reader that panics is a reader that a file can crash.
-#![cfg_attr(
-    not(test),
-    deny(
-        clippy::unwrap_used,
-        clippy::expect_used,
-        clippy::panic,
-        clippy::unreachable,
-        clippy::indexing_slicing
-    )
-)]
+#![deny(clippy::expect_used, clippy::indexing_slicing, clippy::panic, clippy::unreachable)]
 
 use std::fs::{self, File};
 use std::io::{self, Read};

@@ -1,16 +1,7 @@
 //! Reads points: clouds of any format, and our own outputs with positions.
 
 // A reader that panics is a reader that a file can crash.
-#![cfg_attr(
-    not(test),
-    deny(
-        clippy::unwrap_used,
-        clippy::expect_used,
-        clippy::panic,
-        clippy::unreachable,
-        clippy::indexing_slicing
-    )
-)]
+#![deny(clippy::expect_used, clippy::indexing_slicing, clippy::panic, clippy::unreachable)]
 
 use std::path::Path;
 

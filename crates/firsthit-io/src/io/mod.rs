@@ -4,16 +4,7 @@
 //! file outside its folder is opened.
 
 // A loader that panics is a loader that a file can crash.
-#![cfg_attr(
-    not(test),
-    deny(
-        clippy::unwrap_used,
-        clippy::expect_used,
-        clippy::panic,
-        clippy::unreachable,
-        clippy::indexing_slicing
-    )
-)]
+#![deny(clippy::expect_used, clippy::indexing_slicing, clippy::panic, clippy::unreachable)]
 
 mod decimal;
 mod environment;

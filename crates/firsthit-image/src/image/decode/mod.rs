@@ -4,16 +4,7 @@
 //! it allocates.
 
 // A reader that panics is a reader that a file can crash.
-#![cfg_attr(
-    not(test),
-    deny(
-        clippy::unwrap_used,
-        clippy::expect_used,
-        clippy::panic,
-        clippy::unreachable,
-        clippy::indexing_slicing
-    )
-)]
+#![deny(clippy::expect_used, clippy::indexing_slicing, clippy::panic, clippy::unreachable)]
 
 #[cfg(feature = "exr")]
 pub(super) mod exr;
