@@ -18,43 +18,27 @@ use crate::error::{Place, escape_controls};
 /// The attributes of a primitive or an instancing extension: semantics and their accessors.
 pub(super) type Attributes<'a> = BTreeMap<Cow<'a, str>, Index>;
 
-#[derive(Debug, Deserialize)]
-#[serde(rename_all = "camelCase")]
+#[derive(Debug, Default, Deserialize)]
+#[serde(default, rename_all = "camelCase")]
 pub(super) struct Document<'a> {
     #[serde(borrow)]
-    pub(super) asset: Asset<'a>,
-    #[serde(default)]
+    pub(super) asset: Option<Asset<'a>>,
     pub(super) extensions_used: Vec<Cow<'a, str>>,
-    #[serde(default)]
     pub(super) extensions_required: Vec<Cow<'a, str>>,
     pub(super) scene: Option<Index>,
-    #[serde(default)]
     pub(super) scenes: Vec<SceneEntry>,
-    #[serde(default)]
     pub(super) nodes: Vec<Node<'a>>,
-    #[serde(default)]
     pub(super) meshes: Vec<MeshEntry<'a>>,
-    #[serde(default)]
     pub(super) skins: Vec<Skin>,
-    #[serde(default)]
     pub(super) cameras: Vec<CameraEntry<'a>>,
-    #[serde(default)]
     pub(super) accessors: Vec<Accessor<'a>>,
-    #[serde(default)]
     pub(super) buffer_views: Vec<BufferView<'a>>,
-    #[serde(default)]
     pub(super) buffers: Vec<Buffer<'a>>,
-    #[serde(default)]
     pub(super) materials: Vec<MaterialEntry<'a>>,
-    #[serde(default)]
     pub(super) textures: Vec<TextureEntry>,
-    #[serde(default)]
     pub(super) images: Vec<ImageEntry<'a>>,
-    #[serde(default)]
     pub(super) samplers: Vec<SamplerEntry>,
-    #[serde(default)]
     pub(super) animations: Vec<IgnoredAny>,
-    #[serde(default)]
     pub(super) extensions: DocumentExtensions<'a>,
 }
 
@@ -343,14 +327,15 @@ pub(super) fn parse<'a>(container: &Container<'a>) -> Checked<Document<'a>> {
     let document: Document<'a> = serde_path_to_error::deserialize(&mut json)
         .map_err(|error| fault(container, Some(error.path()), error.inner()))?;
     json.end().map_err(|error| fault(container, None, &error))?;
-    let version = &document.asset.version;
+    let Some(Asset { version, min_version }) = &document.asset else {
+        return Err(Fault::at(Place::Pointer(String::new()), "missing field `asset`"));
+    };
     // A later version 2 adds what older readers may pass over, unless `minVersion` says otherwise.
     if !version.starts_with("2.") && *version != "2" {
         let what = format!("the version must be 2, got '{}'", escape_controls(version));
         return Err(Fault::at(Place::Pointer("/asset/version".into()), what));
     }
-    let least = document.asset.min_version.as_deref();
-    if let Some(least) = least.filter(|&least| least != "2.0") {
+    if let Some(least) = min_version.as_deref().filter(|&least| least != "2.0") {
         let least = escape_controls(least);
         let what = format!("a reader of version {least} is needed, this is 2.0");
         return Err(Fault::at(Place::Pointer("/asset/minVersion".into()), what));
