@@ -1,39 +1,45 @@
 //! The loop: sensor, shoot, shade, image.
 
 mod accumulation;
-mod appearance;
 mod batch;
 mod idle;
 mod legend;
 mod mattes;
+mod origin;
+mod progressive;
 mod region;
 mod sample;
 mod settings;
 mod slab;
 mod state;
 
-pub use appearance::{Appearance, Resolved, default_shader, world_up};
 pub use idle::{idle, idle_in_files};
+pub use origin::{names, origin};
+pub use progressive::Progressive;
 pub use region::Region;
 pub use sample::{Sample, check_samples};
 pub use settings::{Look, Render};
 pub use state::check_state_file;
 
-use std::borrow::Cow;
+pub use crate::shade::{
+    Appearance, BACKGROUND, RANDOM_SAMPLES, Resolved, SAMPLES, default_samples, default_shader,
+    world_up,
+};
 
 use crate::camera::{Aim, Camera, Description, StandardView};
 use crate::channel::{ChannelKind, still_camera};
 use crate::edge::{Edges, Lines, Subject};
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::geometry::summary::summary;
-use crate::geometry::{DVec3, Digest, Side, Value, require};
-use crate::image::{Channel, Frame, Names, Origin, ShadingRecord};
+use crate::geometry::{DVec3, Digest, Side, require};
+use crate::image::{Channel, Frame, Origin};
 use crate::memory;
-use crate::scene::{Background, Scene};
-use crate::sensor::{Record, Sensor};
+use crate::scene::Scene;
+use crate::sensor::Sensor;
 use crate::shade::{Recipe, Shade};
 use crate::shoot::{Cpu, Engine};
 use crate::watch::Watch;
+use origin::record;
 use slab::Slab;
 
 /// A picture to be made: what [`render()`] takes, and what it leaves open.
@@ -110,6 +116,10 @@ summary!(
 /// [`Error::Argument`] for no samples, and for a single one of a camera with an aperture, whose
 /// colours would be a pinhole's; [`Error::Limit`] when the picture does not fit into memory,
 /// [`Error::Interrupted`] when `watch` stops it.
+///
+/// [`Error::Argument`]: crate::error::Error::Argument
+/// [`Error::Limit`]: crate::error::Error::Limit
+/// [`Error::Interrupted`]: crate::error::Error::Interrupted
 pub fn render(
     scene: &Scene,
     sensor: &dyn Sensor,
@@ -155,8 +165,8 @@ impl<'a> Picture<'a> {
     ///
     /// # Errors
     ///
-    /// The errors of [`render()`], and [`Error::Argument`] for a region that is no part of the
-    /// picture.
+    /// The errors of [`render()`], and [`Error::Argument`](crate::error::Error::Argument) for a
+    /// region that is no part of the picture.
     pub fn render(&self, watch: &dyn Watch) -> Result<Frame> {
         let mut origin = None;
         let mut whole: Vec<Channel> = Vec::new();
@@ -229,54 +239,6 @@ impl<'a> Picture<'a> {
             sink(frame)?;
         }
         Ok(())
-    }
-
-    /// Begins the picture, to be made one sample after the other.
-    ///
-    /// # Errors
-    ///
-    /// The errors of [`Picture::render`].
-    pub fn start(&'a self) -> Result<Progressive<'a>> {
-        self.start_watched(&())
-    }
-
-    fn start_watched(&'a self, watch: &dyn Watch) -> Result<Progressive<'a>> {
-        let region = self.checked()?;
-        if self.needs_samples() {
-            check_samples(self.sensor, self.samples)?;
-        }
-        let lines = self.lines(&region, watch)?;
-        let slab = Slab::new(self, (region, lines.as_ref()), watch)?;
-        Ok(Progressive { slab })
-    }
-
-    /// Resumes a saved progressive render, from what [`Progressive::state`] gave. All must be as it
-    /// was. Channels other than those of all samples are made with the first sample, so a resumed
-    /// picture has none of them.
-    ///
-    /// # Errors
-    ///
-    /// The errors of [`Picture::render`], and [`Error::Argument`] for the state of another picture,
-    /// and for a channel that would be missing.
-    pub fn resume(&'a self, state: &Frame) -> Result<Progressive<'a>> {
-        self.resume_checked(&(), |_| Ok(Cow::Borrowed(state)))
-    }
-
-    /// Goes on from a state that is made or checked by what the new picture says of itself.
-    fn resume_checked<'s>(
-        &'a self,
-        watch: &dyn Watch,
-        state: impl FnOnce(&Frame) -> Result<Cow<'s, Frame>>,
-    ) -> Result<Progressive<'a>> {
-        let is_lost = |kind: &&&ChannelKind| !kind.needs_shade();
-        if let Some(kind) = self.channels.iter().find(is_lost) {
-            let expected = "color, alpha or samples of a picture that is gone on with";
-            return Err(Error::argument("channel", expected, &*kind.name));
-        }
-        let mut progressive = self.start_watched(watch)?;
-        let state = state(&progressive.state()?)?;
-        progressive.slab.resume(&state)?;
-        Ok(progressive)
     }
 
     /// The lines of edges that a region needs, if any.
@@ -361,56 +323,6 @@ impl<'a> Picture<'a> {
     }
 }
 
-/// A picture on the way: the mean of the samples so far.
-#[expect(missing_debug_implementations, reason = "it is work on the way")]
-pub struct Progressive<'a> {
-    slab: Slab<'a>,
-}
-
-impl Progressive<'_> {
-    /// Adds the next sample. N of them, one after the other, give the bytes of N at once, whatever
-    /// [`Picture::samples`] says. Returns whether it did: with a [`Picture::noise`], a picture that
-    /// is quiet has had its last.
-    ///
-    /// # Errors
-    ///
-    /// The errors of [`Picture::render`].
-    pub fn add_sample(&mut self, watch: &dyn Watch) -> Result<bool> {
-        self.slab.add_sample(watch)
-    }
-
-    /// The number of samples.
-    pub fn samples(&self) -> u32 {
-        self.slab.samples()
-    }
-
-    fn pixels(&self) -> usize {
-        self.slab.pixels()
-    }
-
-    /// The state of the pixels, for [`Picture::resume`]: sums of colours and of squares of
-    /// luminance in float64, and the number of samples. `.npz` holds it.
-    ///
-    /// # Errors
-    ///
-    /// [`Error::Limit`] when it does not fit into memory.
-    pub fn state(&self) -> Result<Frame> {
-        self.slab.state()
-    }
-
-    /// The picture as it is.
-    ///
-    /// # Errors
-    ///
-    /// [`Error::Argument`] before the first sample, and [`Error::Limit`] when it does not fit into
-    /// memory.
-    pub fn frame(&self) -> Result<Frame> {
-        let is_begun = self.samples() > 0;
-        require("frame", "that of a picture with a sample", is_begun, "none")?;
-        self.slab.frame()
-    }
-}
-
 /// The number of rays that a picture of `pixels` pixels reports to its watch in all.
 pub fn work(pixels: usize, channels: &[&ChannelKind], samples: u32) -> u64 {
     let has_color = channels.iter().any(|kind| kind.needs_shade());
@@ -423,82 +335,6 @@ pub fn work(pixels: usize, channels: &[&ChannelKind], samples: u32) -> u64 {
     let shaded = (u64::from(has_color) + u64::from(has_occlusion)) * traced;
     (pixels as u64).saturating_mul(traced + shaded + u64::from(has_others))
 }
-
-/// The origin of outputs: the scene's fingerprint, the camera, if one made the rays, and the names
-/// behind the identifiers of the `channels`. `samples` are the points of a pixel that its colour is
-/// the mean of, if there are colours or mattes.
-pub fn origin(
-    scene: &Scene,
-    sensor: Option<&dyn Sensor>,
-    samples: Option<u32>,
-    channels: &[&ChannelKind],
-) -> Origin {
-    let has_names = channels.iter().any(|kind| kind.has_names());
-    let (camera, sensor) = match sensor.map(Sensor::record) {
-        Some(Record::Camera(camera)) => (Some(*camera), None),
-        Some(Record::Other(sensor)) => (None, Some(*sensor)),
-        None => (None, None),
-    };
-    Origin {
-        scene: Some(scene.fingerprint().to_owned()),
-        camera,
-        sensor,
-        samples,
-        shading: None,
-        colors: (scene.colored())
-            .filter(|_| channels.iter().any(|kind| kind.needs_shade()))
-            .map(legend::record),
-        first_pixel: [0, 0],
-        names: has_names.then(|| names(scene)),
-        cryptomatte: (channels.iter()).filter_map(|kind| mattes::record(scene, kind)).collect(),
-        scan: None,
-        scans: None,
-    }
-}
-
-/// A recipe as outputs have it.
-fn record(recipe: Recipe) -> ShadingRecord {
-    let number = |x: f64| {
-        if x.is_finite() { x.into() } else { x.to_string().into() }
-    };
-    let value = |value| match value {
-        Value::Flag(flag) => flag.into(),
-        Value::Number(x) => number(x),
-        Value::Vector(v) => v.to_array().map(number).to_vec().into(),
-    };
-    let settings = recipe.settings.into_iter();
-    ShadingRecord {
-        shader: recipe.shader.to_owned(),
-        settings: settings.map(|(name, of)| (name.to_owned(), value(of))).collect(),
-        digest: recipe.digest,
-    }
-}
-
-/// The names of a scene's objects, and of what they come from.
-pub fn names(scene: &Scene) -> Names {
-    let catalog = scene.catalog();
-    let objects = scene.objects().iter().enumerate();
-    let objects = objects.map(|(number, object)| {
-        let (node, mesh) = (catalog.node_of(number), catalog.mesh_of(number));
-        (object.name(), node, mesh, catalog.materials_of(number))
-    });
-    let lists = [catalog.nodes(), catalog.meshes(), catalog.materials()];
-    Names::new(objects, lists)
-}
-
-/// The default number of samples per pixel, of shaders that draw no numbers.
-pub const SAMPLES: u32 = 4;
-
-/// The default number of samples per pixel, of shaders that draw numbers.
-pub const RANDOM_SAMPLES: u32 = 16;
-
-/// The default number of samples per pixel, of shaders that draw numbers or do not.
-pub const fn default_samples(is_random: bool) -> u32 {
-    if is_random { RANDOM_SAMPLES } else { SAMPLES }
-}
-
-/// The default background of pictures.
-pub const BACKGROUND: Background = Background::NEUTRAL;
 
 /// The default camera: a perspective one, with a vertical field of view of 45 degrees, in which a
 /// standard view of `scene` fills a picture of `rows` and `columns`, with `up` upwards. An empty or
@@ -515,8 +351,8 @@ pub const BACKGROUND: Background = Background::NEUTRAL;
 ///
 /// # Errors
 ///
-/// [`Error::Argument`] for an `up` that is zero or not finite, for no rows or columns, and for a
-/// scene too far away to be framed.
+/// [`Error::Argument`](crate::error::Error::Argument) for an `up` that is zero or not finite, for
+/// no rows or columns, and for a scene too far away to be framed.
 pub fn framing_camera(
     scene: &Scene,
     up: DVec3,

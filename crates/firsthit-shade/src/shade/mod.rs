@@ -5,6 +5,7 @@
     reason = "what is not inlined into a kernel is not compiled for its instruction set"
 )]
 
+mod appearance;
 mod blend;
 mod crossings;
 mod depth_cue;
@@ -28,6 +29,10 @@ mod vertex;
 mod whitted;
 mod xray;
 
+pub use appearance::{
+    Appearance, BACKGROUND, RANDOM_SAMPLES, Resolved, SAMPLES, default_samples, default_shader,
+    world_up,
+};
 pub use direct::Direct;
 pub use ghost::Ghost;
 pub use ground::Ground;

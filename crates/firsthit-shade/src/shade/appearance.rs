@@ -2,12 +2,11 @@
 
 use std::sync::Arc;
 
-use super::{BACKGROUND, default_samples};
+use super::{Direct, Ground, Lambert, LightRig, Lighting, Shader, Shading};
 use crate::camera::Camera;
 use crate::error::Result;
 use crate::geometry::{Color, DVec3, Value, unit};
 use crate::scene::{Background, Coloring, Environment, EnvironmentKind, Light, Scene};
-use crate::shade::{Direct, Ground, Lambert, LightRig, Lighting, Shader, Shading};
 use crate::shoot::Engine;
 
 /// The appearance of a picture. A field that is `None` is decided by the scene and the camera.
@@ -177,6 +176,20 @@ impl Resolved {
         }
     }
 }
+
+/// The default number of samples per pixel, of shaders that draw no numbers.
+pub const SAMPLES: u32 = 4;
+
+/// The default number of samples per pixel, of shaders that draw numbers.
+pub const RANDOM_SAMPLES: u32 = 16;
+
+/// The default number of samples per pixel, of shaders that draw numbers or do not.
+pub const fn default_samples(is_random: bool) -> u32 {
+    if is_random { RANDOM_SAMPLES } else { SAMPLES }
+}
+
+/// The default background of pictures.
+pub const BACKGROUND: Background = Background::NEUTRAL;
 
 /// The default shader, in lights that go with the camera if there are any.
 pub fn default_shader(rig: Option<LightRig>) -> Shader {
