@@ -6,6 +6,7 @@ use std::sync::Arc;
 
 use firsthit::fhs;
 use firsthit::load::{LoadSettings, Loaded, UNITS};
+use firsthit::render::Appearance;
 use firsthit::scene::Label;
 use firsthit::watch::Watch;
 use firsthit::world::{NamedCamera, World};
@@ -182,17 +183,11 @@ pub(crate) fn save(
     up_is_guessed: bool,
     report: Report<'_, '_>,
 ) -> Outcome<()> {
-    let appearance = shading.appearance(background.as_deref())?;
     let world = World {
         cameras: cameras.iter().map(CameraIn::named).collect(),
         lights: scene.0.lights().to_vec(),
         has_view,
-        background: appearance.background,
-        shader: appearance.shader,
-        samples: appearance.samples,
-        rig: appearance.rig,
-        ground: appearance.ground,
-        coloring: appearance.coloring,
+        appearance: shading.appearance(background.as_deref())?,
         environment: scene.0.environment().cloned().map(Arc::new),
         display: display.transform()?,
         edges: edges.as_ref().map(EdgesIn::edges).transpose()?,
@@ -246,8 +241,8 @@ fn taken_apart(loaded: Loaded) -> ModelOut {
         cameras: model.cameras.iter().map(camera_out).collect(),
         lights: model.lights.iter().map(light_out).collect(),
         environment: model.environment.as_deref().map(environment_out),
-        background: model.background.map(background_out),
-        shading: shading_of(model),
+        background: model.appearance.background.map(background_out),
+        shading: shading_of(&model.appearance),
         display: (model.display.exposure, model.display.tone_map.name()),
         edges: model.edges.as_ref().map(edges_out),
         has_view: model.has_view,
@@ -325,17 +320,11 @@ fn camera_out(camera: &NamedCamera) -> CameraOut {
     (camera.name.clone(), view_out(&camera.view), camera.has_size)
 }
 
-fn shading_of(model: &World) -> Option<ShadingOut> {
-    let world = model;
-    let says_something = world.shader.is_some()
-        || world.samples.is_some()
-        || world.rig.is_some()
-        || world.ground.is_some()
-        || world.coloring.is_some();
-    says_something.then(|| {
-        let shader = world.shader.as_ref();
-        let coloring = world.coloring.as_ref();
-        shading_out(shader, world.rig, world.ground, world.samples, coloring)
+fn shading_of(said: &Appearance) -> Option<ShadingOut> {
+    let nothing = Appearance { background: said.background, ..Appearance::default() };
+    (*said != nothing).then(|| {
+        let (shader, coloring) = (said.shader.as_ref(), said.coloring.as_ref());
+        shading_out(shader, said.rig, said.ground, said.samples, coloring)
     })
 }
 

@@ -8,8 +8,8 @@ use crate::error::Result;
 use crate::geometry::summary::{Few, summary};
 use crate::geometry::{DVec3, DisplayTransform};
 use crate::io::Model;
-use crate::scene::{Background, Coloring, Environment, Light, Object, Scene};
-use crate::shade::{LightRig, Shader};
+use crate::scene::{Environment, Light, Object, Scene};
+use crate::shade::Appearance;
 
 pub(crate) mod loaded;
 
@@ -32,22 +32,12 @@ pub struct World {
     /// Whether the first camera is the default one: scene files say how they are to be seen, models
     /// only how they can be.
     pub has_view: bool,
-    /// The background, if the file has one.
-    pub background: Option<Background>,
-    /// The shader, if the file names one.
-    pub shader: Option<Shader>,
-    /// The number of samples per pixel, if the file gives one.
-    pub samples: Option<u32>,
+    /// The appearance of pictures, as far as the file says.
+    pub appearance: Appearance,
     /// The light from all around, if the file has any.
     pub environment: Option<Arc<Environment>>,
-    /// Lights that go with the camera, if the file asks for some.
-    pub rig: Option<LightRig>,
-    /// Whether there is a ground that shadows fall on, if the file says so.
-    pub ground: Option<bool>,
     /// The display of colours in PNGs, as the file says; by default, unchanged.
     pub display: DisplayTransform,
-    /// Colours by numbers, if the file asks for them.
-    pub coloring: Option<Coloring>,
     /// The lines along edges over pictures, if the file asks for them.
     pub edges: Option<Edges>,
     /// The outputs that the file asks for.

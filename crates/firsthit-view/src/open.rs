@@ -29,12 +29,8 @@ impl Viewer {
         let scene = scene.with_lights(model.lights);
         let scene = scene.with_environment(model.environment).with_up(up);
         let appearance = Appearance {
-            shader: model.shader,
-            rig: model.rig,
-            background: Some(model.background.unwrap_or(BACKGROUND)),
-            ground: model.ground,
-            coloring: model.coloring,
-            samples: model.samples,
+            background: Some(model.appearance.background.unwrap_or(BACKGROUND)),
+            ..model.appearance
         };
         let viewer = Self::new(title, scene, appearance, &camera)?;
         Ok(viewer.shown(model.display, model.edges).warned(warnings))

@@ -100,18 +100,12 @@ impl Viewer {
             has_size: true,
             description: None,
         };
-        let appearance = self.appearance.clone();
         Ok(World {
             cameras: vec![camera],
             has_view: true,
             lights: self.scene().lights().to_vec(),
             environment: self.scene().environment().cloned().map(Into::into),
-            background: appearance.background,
-            shader: appearance.shader,
-            samples: appearance.samples,
-            rig: appearance.rig,
-            ground: appearance.ground,
-            coloring: appearance.coloring,
+            appearance: self.appearance.clone(),
             display: self.display,
             edges: self.edges,
             up: self.scene().up(),

@@ -171,8 +171,7 @@ fn check(world: &World) -> Result<()> {
     }
     // No section is made yet, so none is named.
     let shading = ShadingRecord::new(world, |_| 0);
-    shading.samples()?;
-    shading.background()?;
+    shading.appearance()?;
     shading.display()?;
     shading.edges()?;
     if world.up != DVec3::ZERO {

@@ -4,16 +4,7 @@
 //! them, and [`schema`] is made from them.
 
 // A loader that panics is a loader that a file can crash.
-#![cfg_attr(
-    not(test),
-    deny(
-        clippy::unwrap_used,
-        clippy::expect_used,
-        clippy::panic,
-        clippy::unreachable,
-        clippy::indexing_slicing
-    )
-)]
+#![deny(clippy::expect_used, clippy::indexing_slicing, clippy::panic, clippy::unreachable)]
 
 mod background;
 mod camera;
@@ -54,6 +45,7 @@ use std::sync::Arc;
 use crate::geometry::{DVec3, DisplayTransform};
 use crate::io::fault::Checked;
 use crate::io::{Format, Report};
+use crate::shade::Appearance;
 use crate::world::{World, WorldFormat};
 use display::DISPLAY;
 use document::Text;
@@ -87,7 +79,7 @@ fn read(bytes: &[u8], report: &mut Report) -> Checked<World> {
             }
             shading::read(&section)?
         }
-        None => shading::Settings::default(),
+        None => Appearance::default(),
     };
     let display = match scene.table("display", &DISPLAY)? {
         Some(section) => display::read(&section)?,
@@ -97,13 +89,12 @@ fn read(bytes: &[u8], report: &mut Report) -> Checked<World> {
     let outputs = outputs.iter().map(|output| output::read(output, report));
     let mut world = World {
         lights: lights.iter().map(light::read).collect::<Checked<_>>()?,
-        background: background::read(&scene, up)?,
-        shader: shading.shader,
-        samples: shading.samples,
-        rig: shading.rig,
-        ground: shading.ground,
+        appearance: Appearance {
+            background: background::read(&scene, up)?,
+            coloring: colors::read(&scene)?,
+            ..shading
+        },
         display,
-        coloring: colors::read(&scene)?,
         edges: edges::read(&scene)?,
         outputs: outputs.collect::<Checked<_>>()?,
         up,

@@ -9,7 +9,7 @@ use super::section::Section;
 use super::settings;
 use super::table::{Form, Key, Pick, Record, Variant, keys, optional};
 use crate::io::fault::Checked;
-use crate::shade::{LightRig, Shader};
+use crate::shade::{Appearance, LightRig, Shader};
 
 const COMMON: &[Key] = keys! {
     /// The colour of a pixel is the mean of this many points of it; 1 is its centre. Default: 16
@@ -47,25 +47,18 @@ pub(super) static SHADING: Record =
     Record { name: "shading", about: "How hits get their colour.", variants: &VARIANTS };
 
 /// The shading that a scene file asks for; `None` where it does not say.
-#[derive(Debug, Default)]
-pub(super) struct Settings {
-    pub(super) shader: Option<Shader>,
-    pub(super) samples: Option<u32>,
-    pub(super) rig: Option<LightRig>,
-    pub(super) ground: Option<bool>,
-}
-
-pub(super) fn read(section: &Section<'_, '_>) -> Checked<Settings> {
+pub(super) fn read(section: &Section<'_, '_>) -> Checked<Appearance> {
     let name = section.text(SHADER);
     let kind = name.unwrap_or(UNNAMED);
     let given = settings::given(section, Shader::KINDS, kind);
     let is_said = name.is_some() || !given.is_empty();
     let shader = section.checked(Shader::from_settings(kind, given))?;
     let rig = section.text("light").map(str::parse).transpose();
-    Ok(Settings {
+    Ok(Appearance {
         shader: is_said.then_some(shader),
         samples: section.whole("samples"),
         rig: section.checked(rig)?,
         ground: section.boolean("ground"),
+        ..Appearance::default()
     })
 }

@@ -53,7 +53,7 @@ pub(super) fn background(args: &LightingArgs, model: &World, camera: &Camera) ->
             Background::Gradient { horizon: sky.horizon, zenith: sky.zenith, up: camera.view().up }
         }
         (None, Some(background)) => background,
-        (None, None) => model.background.unwrap_or(BACKGROUND),
+        (None, None) => model.appearance.background.unwrap_or(BACKGROUND),
     }
 }
 

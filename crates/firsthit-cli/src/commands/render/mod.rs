@@ -82,13 +82,14 @@ fn rays(args: &RenderArgs, model: &World, asked: Option<&[Order]>) -> Option<u64
     if !orders.iter().any(needs_samples) {
         return Some(pixels);
     }
-    let rig = light::rig(&args.light).or(model.rig);
-    let shader = shader::shader(&args.light, model.shader.as_ref(), rig).ok()?;
+    let said = &model.appearance;
+    let rig = light::rig(&args.light).or(said.rig);
+    let shader = shader::shader(&args.light, said.shader.as_ref(), rig).ok()?;
     let shader = shader.unwrap_or_else(|| default_shader(rig));
     let of_hit = shader.rays_per_hit(model.lights.len().max(1))?;
-    let has_ground = light::ground(&args.light).or(model.ground);
+    let has_ground = light::ground(&args.light).or(said.ground);
     let has_ground = has_ground.unwrap_or(rig.is_some_and(|rig| rig != LightRig::Shoulder));
-    let samples = args.picture.samples.or(model.samples);
+    let samples = args.picture.samples.or(said.samples);
     let samples = samples.unwrap_or(default_samples(shader.is_random() || has_ground));
     let of_pixel = u64::from(samples).saturating_mul(1 + of_hit as u64);
     Some(pixels.saturating_mul(of_pixel))
@@ -115,7 +116,7 @@ fn rendered(
     // Now everything is read.
     output::check_orders(&orders)?;
     check_others(args, &orders)?;
-    let samples = args.picture.samples.or(model.samples);
+    let samples = args.picture.samples.or(model.appearance.samples);
     appearance.samples = samples.or(noise.map(|_| SAMPLES_WITH_NOISE));
     let seen = appearance.resolve(&lit, Some(&camera))?;
     warn(&idle::options(args, &orders, edges.as_ref(), &seen));
@@ -123,7 +124,7 @@ fn rendered(
         warn(&light::turned_away(&args.light, &seen));
         warn(light::unseen_ground(&args.light, &seen, &camera).as_slice());
         guessed.extend(seen.guessed.iter().map(|&what| what.to_owned()));
-        if noise.is_some() && args.picture.samples.or(model.samples).is_none() {
+        if noise.is_some() && args.picture.samples.or(model.appearance.samples).is_none() {
             guessed.push(format!("up to {} samples (--samples)", seen.samples));
         }
     }
@@ -181,8 +182,9 @@ pub(crate) fn asked_for(
 ) -> Result<(Scene, Appearance), Failure> {
     // The file's word on sets of lights is about its own light.
     let has_light = args.light.environment.is_some() || !args.light.light.is_empty();
-    let rig = light::rig(args.light).or(model.rig.filter(|_| !has_light));
-    let shader = shader::shader(args.light, model.shader.as_ref(), rig)?;
+    let said = &model.appearance;
+    let rig = light::rig(args.light).or(said.rig.filter(|_| !has_light));
+    let shader = shader::shader(args.light, said.shader.as_ref(), rig)?;
     let scene = match light::lights(args.light, &scene, camera) {
         Some(lights) => scene.with_lights(lights),
         None => scene.with_lights(model.lights.clone()),
@@ -198,9 +200,9 @@ pub(crate) fn asked_for(
         shader,
         rig,
         background: Some(light::background(args.light, model, camera)),
-        ground: light::ground(args.light).or(model.ground),
-        coloring: coloring::coloring((args.given, args.colors), model.coloring.as_ref())?,
-        samples: model.samples,
+        ground: light::ground(args.light).or(said.ground),
+        coloring: coloring::coloring((args.given, args.colors), said.coloring.as_ref())?,
+        samples: said.samples,
     };
     Ok((scene, appearance))
 }

@@ -12,12 +12,12 @@ use super::edges::EdgesRecord;
 use super::environment::EnvironmentRecord;
 use super::kind::KindRecord;
 use crate::edge::Edges;
-use crate::error::{Error, Result};
-use crate::geometry::{DisplayTransform, ToneMap};
+use crate::error::Result;
+use crate::geometry::{DisplayTransform, ToneMap, require};
 use crate::io::fault::Checked;
 use crate::memory::Storage;
-use crate::scene::{Background, Coloring, Environment};
-use crate::shade::{LightRig, Shader};
+use crate::scene::Environment;
+use crate::shade::Appearance;
 use crate::world::World;
 
 /// The record of shading in a file, if there is any.
@@ -53,16 +53,16 @@ impl ShadingRecord {
         add: impl FnOnce(&'a [[f32; 3]]) -> Section,
     ) -> Self {
         let environment = world.environment.as_deref();
-        let shader = world.shader.as_ref();
+        let Appearance { shader, rig, background, ground, coloring, samples } = &world.appearance;
         let DisplayTransform { exposure, tone_map } = world.display;
         let is_mapped = tone_map != ToneMap::default();
         Self {
-            shader: shader.map(|shader| KindRecord::new(shader.name(), shader.settings())),
-            samples: world.samples,
-            light: world.rig.map(|rig| rig.name().to_owned()),
-            ground: world.ground,
-            colors: world.coloring.as_ref().map(ColoringRecord::new),
-            background: world.background.map(BackgroundRecord::new),
+            shader: shader.as_ref().map(|shader| KindRecord::new(shader.name(), shader.settings())),
+            samples: *samples,
+            light: rig.map(|rig| rig.name().to_owned()),
+            ground: *ground,
+            colors: coloring.as_ref().map(ColoringRecord::new),
+            background: background.map(BackgroundRecord::new),
             environment: environment.map(|environment| EnvironmentRecord::new(environment, add)),
             exposure: (exposure != 0.0).then_some(Number(exposure)),
             tone_map: is_mapped.then(|| tone_map.name().to_owned()),
@@ -74,20 +74,20 @@ impl ShadingRecord {
         self.edges.as_ref().map(EdgesRecord::edges).transpose()
     }
 
-    pub(in crate::fhs) fn shader(&self) -> Result<Option<Shader>> {
-        self.shader.as_ref().map(KindRecord::shader).transpose()
-    }
-
-    pub(in crate::fhs) fn rig(&self) -> Result<Option<LightRig>> {
-        self.light.as_deref().map(str::parse).transpose()
-    }
-
-    pub(in crate::fhs) fn coloring(&self) -> Result<Option<Coloring>> {
-        self.colors.as_ref().map(ColoringRecord::coloring).transpose()
-    }
-
-    pub(in crate::fhs) fn ground(&self) -> Option<bool> {
-        self.ground
+    /// The appearance, with a number of samples that pictures can have.
+    pub(in crate::fhs) fn appearance(&self) -> Result<Appearance> {
+        if let Some(samples) = self.samples {
+            let is_possible = (1..=MOST_SAMPLES).contains(&samples);
+            require("samples", "from 1 to 65536 in a file", is_possible, samples)?;
+        }
+        Ok(Appearance {
+            shader: self.shader.as_ref().map(KindRecord::shader).transpose()?,
+            rig: self.light.as_deref().map(str::parse).transpose()?,
+            background: self.background.as_ref().map(BackgroundRecord::background).transpose()?,
+            ground: self.ground,
+            coloring: self.colors.as_ref().map(ColoringRecord::coloring).transpose()?,
+            samples: self.samples,
+        })
     }
 
     /// `take` gets the texels of a section.
@@ -100,16 +100,6 @@ impl ShadingRecord {
         Ok(made.transpose()?.map(Arc::new))
     }
 
-    /// The number of samples, which is one that pictures can have.
-    pub(in crate::fhs) fn samples(&self) -> Result<Option<u32>> {
-        match self.samples {
-            Some(samples) if !(1..=MOST_SAMPLES).contains(&samples) => {
-                Err(Error::argument("samples", "from 1 to 65536 in a file", samples))
-            }
-            samples => Ok(samples),
-        }
-    }
-
     /// The display of colours in PNGs.
     pub(in crate::fhs) fn display(&self) -> Result<DisplayTransform> {
         let tone_map = self.tone_map.as_deref().map(str::parse).transpose()?;
@@ -118,10 +108,5 @@ impl ShadingRecord {
             tone_map: tone_map.unwrap_or_default(),
         };
         display.check().map(|()| display)
-    }
-
-    pub(in crate::fhs) fn background(&self) -> Result<Option<Background>> {
-        let background = self.background.as_ref();
-        background.map(BackgroundRecord::background).transpose()
     }
 }

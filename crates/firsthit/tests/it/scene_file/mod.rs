@@ -194,29 +194,31 @@ fn lights_background_and_shading_are_read() {
         zenith: Color::new(0.0, 0.0, 0.5),
         up: DVec3::Z,
     };
-    assert_eq!(lit.world.background, Some(sky));
+    assert_eq!(lit.world.appearance.background, Some(sky));
     let color = Color::new(1.0, 0.5, 0.0);
     assert_eq!(
         lit.world.lights,
         [Light::from(DirectionalLight { direction: DVec3::NEG_Z, color, angle_degrees: 0.0 })]
     );
-    let Some(Shader::Lambert(lambert)) = lit.world.shader else {
-        panic!("{:?}", lit.world.shader);
+    let Some(Shader::Lambert(lambert)) = lit.world.appearance.shader else {
+        panic!("{:?}", lit.world.appearance.shader);
     };
     assert_eq!(
-        (lambert.ambient, lambert.shadows, lit.world.samples),
+        (lambert.ambient, lambert.shadows, lit.world.appearance.samples),
         (Color::ZERO, false, Some(16))
     );
     let plain = model("[background]\ncolor = '#bc0000'\n[shading]\nshader = 'unlit'\n");
-    assert_eq!(plain.world.shader.map(|shader| shader.name()), Some("unlit"));
-    let Some(Background::Uniform(red)) = plain.world.background else {
-        panic!("{:?}", plain.world.background);
+    assert_eq!(plain.world.appearance.shader.map(|shader| shader.name()), Some("unlit"));
+    let Some(Background::Uniform(red)) = plain.world.appearance.background else {
+        panic!("{:?}", plain.world.appearance.background);
     };
     // Byte 188 of sRGB is half the light, to half a byte.
     assert!((red.x - 0.5).abs() < 0.005 && red.y == 0.0);
     let empty = model("");
     assert!(
-        empty.world.shader.is_none() && empty.world.background.is_none() && !empty.world.has_view
+        empty.world.appearance.shader.is_none()
+            && empty.world.appearance.background.is_none()
+            && !empty.world.has_view
     );
 }
 
@@ -347,7 +349,7 @@ fn a_mesh_with_a_corner_that_is_too_far_is_refused_by_its_place() {
 #[test]
 fn colours_have_names_and_a_background_may_be_transparent() {
     let model = model("[background]\ncolor = 'transparent'\n[shading]\nambient = 'white'\n");
-    assert_eq!(model.world.background, Some(Background::Transparent));
-    let named = self::model("[background]\ncolor = 'tomato'\n").world.background;
-    assert_eq!(named, self::model("[background]\ncolor = '#ff6347'\n").world.background);
+    assert_eq!(model.world.appearance.background, Some(Background::Transparent));
+    let named = self::model("[background]\ncolor = 'tomato'\n").world.appearance.background;
+    assert_eq!(named, self::model("[background]\ncolor = '#ff6347'\n").world.appearance.background);
 }
