@@ -116,7 +116,7 @@ pub trait Surface {
 /// Makes [`Shape`] and everything that depends on the list of shapes.
 macro_rules! shapes {
     ($($(#[$doc:meta])* $name:literal => $kind:ident($held:ty) from $type:ty;)*) => {
-        /// Any shape. Those larger than a box are behind a pointer: there may be a million objects.
+        /// Any shape, behind a pointer: there may be a million objects.
         ///
         /// ```
         /// use firsthit::{DVec3, Shape, Sphere};
@@ -202,13 +202,13 @@ shapes! {
     /// Triangles over shared vertices; many objects can share one mesh.
     "mesh" => Mesh(Arc<Mesh>) from Arc<Mesh>;
     /// A sphere.
-    "sphere" => Sphere(Sphere) from Sphere;
+    "sphere" => Sphere(Box<Sphere>) from Sphere;
     /// An infinite plane.
     "plane" => Plane(Box<Plane>) from Plane;
     /// A flat round disc.
     "disc" => Disc(Box<Disc>) from Disc;
     /// A box, its sides along the axes of object space.
-    "box" => Box(Cuboid) from Cuboid;
+    "box" => Box(Box<Cuboid>) from Cuboid;
     /// A cylinder with both lids.
     "cylinder" => Cylinder(Box<Cylinder>) from Cylinder;
     /// A cone, or a part of one, with its lids.

@@ -22,7 +22,8 @@ pub struct Transform {
     world_from_object: DAffine3,
     /// The inverse's matrix. Its translation follows from both maps.
     object_from_world: DMat3,
-    rounding: f64,
+    /// See [`Transform::rounding`]; a float32, which fills one place with the flag after it.
+    rounding: f32,
     is_identity: bool,
 }
 
@@ -31,7 +32,8 @@ impl Transform {
     pub const IDENTITY: Self = Self {
         world_from_object: DAffine3::IDENTITY,
         object_from_world: DMat3::IDENTITY,
-        rounding: f64::EPSILON,
+        // `f64::EPSILON`.
+        rounding: 1.0 / (1_u64 << 52) as f32,
         is_identity: true,
     };
 
@@ -58,7 +60,7 @@ impl Transform {
         Ok(Self {
             world_from_object,
             object_from_world: back,
-            rounding: left + f64::EPSILON * norm(there) * norm(back),
+            rounding: at_least(left + f64::EPSILON * norm(there) * norm(back)),
             is_identity: world_from_object == DAffine3::IDENTITY,
         })
     }
@@ -85,11 +87,12 @@ impl Transform {
         DAffine3 { matrix3, translation: -(matrix3 * self.world_from_object.translation) }
     }
 
-    /// The error of a point that goes to the object and back, as a share of its coordinates.
+    /// The error of a point that goes to the object and back, as a share of its coordinates, or a
+    /// little more.
     #[doc(hidden)]
     #[inline]
     pub fn rounding(&self) -> f64 {
-        self.rounding
+        self.rounding.into()
     }
 
     /// Whether this is exactly the identity.
@@ -151,6 +154,13 @@ impl Transform {
         }
         unit(self.object_from_world.transpose() * normal)
     }
+}
+
+/// The least float32 that is not smaller.
+#[expect(clippy::cast_possible_truncation, reason = "the next one is taken where it is smaller")]
+fn at_least(x: f64) -> f32 {
+    let near = x as f32;
+    if f64::from(near) < x { near.next_up() } else { near }
 }
 
 /// The largest growth of the largest coordinate by the map.

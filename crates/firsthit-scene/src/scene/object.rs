@@ -1,9 +1,10 @@
 use std::fmt::{self, Debug, Formatter};
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use super::{Label, Material};
 use crate::geometry::summary::Short;
 use crate::geometry::{Bounds, Color, DVec2, DVec3, Ray, Transform};
+use crate::parallel;
 use crate::shape::triangle::{Doubtful, EdgeRule, MeshFilter, Shear};
 use crate::shape::{Crossing, Mesh, Meshes, Shape, Surface};
 
@@ -23,33 +24,47 @@ use crate::shape::{Crossing, Mesh, Meshes, Shape, Surface};
 #[expect(clippy::struct_excessive_bools, reason = "independent facts")]
 #[derive(Clone, PartialEq)]
 pub struct Object {
-    name: Arc<str>,
     shape: Shape,
     transform: Transform,
-    /// The materials that a mesh's slots name; empty where the object was given none.
-    materials: Arc<[Material]>,
-    has_cutouts: bool,
-    is_out_of_range: bool,
+    about: Arc<About>,
     /// See [`Object::farthest`].
     farthest: f64,
     mask: u32,
+    has_cutouts: bool,
+    is_out_of_range: bool,
     is_hidden: bool,
     is_removed: bool,
+}
+
+/// The parts of an object that no ray needs on its way; clones share them, and all objects that
+/// were given none.
+#[derive(Clone, Default, PartialEq)]
+struct About {
+    name: Arc<str>,
+    /// The materials that a mesh's slots name; empty where the object was given none.
+    materials: Arc<[Material]>,
     node: Option<Label>,
     mesh_label: Option<Label>,
+}
+
+impl About {
+    fn none() -> &'static Arc<Self> {
+        static NONE: OnceLock<Arc<About>> = OnceLock::new();
+        parallel::once(&NONE, Arc::default)
+    }
 }
 
 /// A summary: of its materials their number.
 impl Debug for Object {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
         let mut shown = f.debug_struct("Object");
-        shown.field("name", &Short(&self.name));
+        shown.field("name", &Short(self.name()));
         shown.field("shape", &self.shape);
         if !self.transform.is_identity() {
             let world_from_object = self.transform.world_from_object();
             shown.field("world_from_object", world_from_object);
         }
-        shown.field("materials", &self.materials.len());
+        shown.field("materials", &self.materials().len());
         shown.finish_non_exhaustive()
     }
 }
@@ -62,36 +77,41 @@ impl Object {
     pub fn new(shape: impl Into<Shape>) -> Self {
         let shape = shape.into();
         Self {
-            name: Arc::default(),
             is_out_of_range: is_out_of_range(&shape),
             farthest: farthest(&shape, &Transform::IDENTITY),
             shape,
             transform: Transform::IDENTITY,
-            materials: Arc::default(),
-            has_cutouts: false,
+            about: Arc::clone(About::none()),
             mask: u32::MAX,
+            has_cutouts: false,
             is_hidden: false,
             is_removed: false,
-            node: None,
-            mesh_label: None,
         }
     }
 
     /// The object with a name.
-    pub fn named(mut self, name: impl Into<Arc<str>>) -> Self {
-        self.name = name.into();
-        self
+    pub fn named(self, name: impl Into<Arc<str>>) -> Self {
+        self.with(|about| &mut about.name, name.into())
     }
 
     /// The object with the label of the node of a file that it comes from. This changes no picture.
     pub fn from_node(self, node: impl Into<Option<Label>>) -> Self {
-        Self { node: node.into(), ..self }
+        self.with(|about| &mut about.node, node.into())
     }
 
     /// The object with the label of the mesh of a file that it comes from, or of the part of one.
     /// This changes no picture.
     pub fn from_mesh(self, mesh: impl Into<Option<Label>>) -> Self {
-        Self { mesh_label: mesh.into(), ..self }
+        self.with(|about| &mut about.mesh_label, mesh.into())
+    }
+
+    /// The object with something else about it.
+    fn with<T: Default + PartialEq>(mut self, part: fn(&mut About) -> &mut T, value: T) -> Self {
+        let is_new = Arc::ptr_eq(&self.about, About::none());
+        if !(is_new && value == T::default()) {
+            *part(Arc::make_mut(&mut self.about)) = value;
+        }
+        self
     }
 
     /// The object with its shape taken to the world by `transform`.
@@ -114,13 +134,10 @@ impl Object {
     /// The object with other materials: one for each slot of a mesh; the last one for slots beyond.
     /// Without any the object is in a neutral colour.
     pub fn with_materials(self, materials: impl Into<Arc<[Material]>>) -> Self {
-        let materials = materials.into();
+        let materials: Arc<[Material]> = materials.into();
         let is_mesh = self.mesh().is_some();
-        Self {
-            has_cutouts: is_mesh && materials.iter().any(Material::has_cutouts),
-            materials,
-            ..self
-        }
+        let has_cutouts = is_mesh && materials.iter().any(Material::has_cutouts);
+        Self { has_cutouts, ..self.with(|about| &mut about.materials, materials) }
     }
 
     /// The object with another mask: a ray meets it when their masks have a bit in common. The
@@ -178,17 +195,17 @@ impl Object {
 
     /// The name; may be empty, need not be unique.
     pub fn name(&self) -> &str {
-        &self.name
+        &self.about.name
     }
 
     /// The node of a file that it comes from, if any.
     pub fn node(&self) -> Option<&Label> {
-        self.node.as_ref()
+        self.about.node.as_ref()
     }
 
     /// The mesh of a file that it comes from, if the file has meshes of its own, as glTF has.
     pub fn mesh_label(&self) -> Option<&Label> {
-        self.mesh_label.as_ref()
+        self.about.mesh_label.as_ref()
     }
 
     /// The shape, in object space.
@@ -214,19 +231,19 @@ impl Object {
     /// The materials, in the order of a mesh's slots; empty where the object was given none.
     #[inline]
     pub fn materials(&self) -> &Arc<[Material]> {
-        &self.materials
+        &self.about.materials
     }
 
     /// The linear colour: that of the first material, without textures.
     #[inline]
     pub fn color(&self) -> Color {
-        self.materials.first().map_or(Self::NEUTRAL, |material| material.color)
+        self.materials().first().map_or(Self::NEUTRAL, |material| material.color)
     }
 
     /// The material of a primitive; `None` where the object was given none.
     #[inline]
     pub fn material(&self, primitive: i32) -> Option<&Material> {
-        self.materials.get(self.material_slot(primitive)?)
+        self.materials().get(self.material_slot(primitive)?)
     }
 
     /// The index of a primitive's material; `None` where the object was given none.
@@ -242,7 +259,7 @@ impl Object {
     /// The slot whose material a slot has: the last one serves for those beyond.
     #[inline]
     fn filled_slot(&self, slot: usize) -> Option<usize> {
-        let last = self.materials.len().checked_sub(1)?;
+        let last = self.materials().len().checked_sub(1)?;
         Some(slot.min(last))
     }
 
@@ -283,7 +300,7 @@ impl Object {
         let Some(slot) = self.filled_slot(mesh.slot(triangle)) else {
             return false;
         };
-        let material = &self.materials[slot];
+        let material = &self.materials()[slot];
         material.has_cutouts()
             && material.is_cut_out(
                 mesh.uv(triangle, barycentric),

@@ -312,8 +312,8 @@ impl Eight {
         let inwards = match object.shape() {
             // Flat shapes are never asked.
             Shape::Mesh(_) | Shape::Plane(_) | Shape::Disc(_) => return leaving,
-            Shape::Sphere(sphere) => on!(sphere),
-            Shape::Box(cuboid) => on!(cuboid),
+            Shape::Sphere(sphere) => on!(&**sphere),
+            Shape::Box(cuboid) => on!(&**cuboid),
             Shape::Cylinder(cylinder) => on!(cylinder.cone()),
             Shape::Cone(cone) => on!(&**cone),
         };

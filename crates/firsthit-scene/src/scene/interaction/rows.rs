@@ -159,10 +159,10 @@ impl ShapeHits {
         }
         Some(match object.shape() {
             Shape::Mesh(_) => return None,
-            Shape::Sphere(sphere) => on!(sphere),
+            Shape::Sphere(sphere) => on!(&**sphere),
             Shape::Plane(plane) => on!(&**plane),
             Shape::Disc(disc) => on!(&**disc),
-            Shape::Box(cuboid) => on!(cuboid),
+            Shape::Box(cuboid) => on!(&**cuboid),
             Shape::Cylinder(cylinder) => on!(cylinder.cone()),
             Shape::Cone(cone) => on!(&**cone),
         })
