@@ -92,8 +92,8 @@ pub fn gather<P: Send, T: Send>(
         return made.swap_remove(0);
     }
     let mut all = Vec::with_capacity(made.iter().map(Vec::len).sum());
-    for part in &mut made {
-        all.append(part);
+    for mut part in made {
+        all.append(&mut part);
     }
     all
 }

@@ -67,10 +67,14 @@ pub(super) trait Primitives: Sync {
 /// The tree over `items`, which are put in order for it.
 pub(super) fn binary(items: &mut [Item], primitives: &impl Primitives) -> Binary {
     let all = around(items);
-    let Subtree { root, nodes } = subtree(items, all, [0, 0], primitives);
+    let Subtree { root, mut nodes } = subtree(items, all, [0, 0], primitives);
     let mut order = memory::room(items.len());
     order.extend(items.iter().map(Item::index));
-    Binary { nodes: std::iter::once(root).chain(nodes).map(|node| shift(node, 1)).collect(), order }
+    nodes.insert(0, root);
+    for node in &mut nodes {
+        *node = shift(*node, 1);
+    }
+    Binary { nodes, order }
 }
 
 /// The nodes of a range: its root, and all others, with `first` counted from the start of `nodes`.

@@ -29,10 +29,10 @@ pub(super) struct Wide {
 
 /// The wide tree of a binary one, whose root is first; children stand behind their parents. Where
 /// `is_stopped` says so, and it must say so from then on, the tree is not whole.
-pub(super) fn collapse(binary: &[BinaryNode], is_stopped: impl Fn() -> bool + Sync) -> Wide {
+pub(super) fn collapse(binary: Vec<BinaryNode>, is_stopped: impl Fn() -> bool + Sync) -> Wide {
     /// The number of nodes between two questions whether to stop.
     const CHUNK: usize = 1 << 12;
-    let plans = plans(binary, &is_stopped);
+    let plans = plans(&binary, &is_stopped);
     let mut wide = Wide { nodes: vec![Node::EMPTY], ranges: Vec::new() };
     // Binary nodes to be made wide, and the places for them.
     let mut open = vec![(0_u32, 0_usize)];
@@ -41,7 +41,7 @@ pub(super) fn collapse(binary: &[BinaryNode], is_stopped: impl Fn() -> bool + Sy
             break;
         }
         let mut node = Node::EMPTY;
-        for (k, child) in gather(binary, &plans, root).enumerate() {
+        for (k, child) in gather(&binary, &plans, root).enumerate() {
             let BinaryNode { bounds, first, count } = binary[child as usize];
             node.set_child_box(k, bounds);
             node.children[k] = if count > 0 {
@@ -55,6 +55,7 @@ pub(super) fn collapse(binary: &[BinaryNode], is_stopped: impl Fn() -> bool + Sy
         }
         wide.nodes[at] = node;
     }
+    drop((binary, plans));
     let nodes = memory::copy(&wide.nodes);
     Wide { nodes, ..wide }
 }
@@ -285,7 +286,7 @@ mod tests {
             let mut below = Vec::new();
             let root = tree(&mut random, leaves, &mut below);
             let binary: Vec<_> = std::iter::once(root).chain(below).collect();
-            let Wide { nodes, ranges } = collapse(&binary, || false);
+            let Wide { nodes, ranges } = collapse(binary.clone(), || false);
             assert_eq!(ranges.len(), leaves as usize);
             // All boxes begin at zero, and all but their width are equal.
             let mut surfaces = root.bounds.half_area();

@@ -69,7 +69,7 @@ pub(super) fn nodes(leaves: &[LeafOnCurve], large: f64) -> Vec<Node> {
     };
     let mut items: Vec<Item> = groups.iter().zip(0..).map(item).collect();
     let Binary { nodes: binary, order } = binary::binary(&mut items, &Groups);
-    let upper = collapse::collapse(&reinsert(binary, || false), || false);
+    let upper = collapse::collapse(reinsert(binary, || false), || false);
     // Of groups of several leaves, whose nodes come after those above.
     let mut place = index(upper.nodes.len());
     let child = |group: &Range<usize>| {

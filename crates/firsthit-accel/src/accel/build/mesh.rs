@@ -181,8 +181,7 @@ fn full(triangles: &Triangles<'_>) -> Parts {
         return Parts::default();
     }
     let binary = reinsert(binary, || triangles.building.is_stopped());
-    let Wide { nodes, ranges } = collapse::collapse(&binary, || triangles.building.is_stopped());
-    drop(binary);
+    let Wide { nodes, ranges } = collapse::collapse(binary, || triangles.building.is_stopped());
     if triangles.building.is_stopped() {
         return Parts::default();
     }

@@ -40,7 +40,13 @@ impl Bvh {
     /// Built by all threads of the current rayon pool, and the same for any number of them. Fewer
     /// than 65,536 boxes are the calling thread's alone, and need no pool.
     pub fn build(count: u32, bounds: impl Fn(u32) -> Bounds + Sync, slack: f64) -> Self {
-        Self::build_by(count, bounds, slack, &Building::new(&()))
+        Self::over(gathered(count, bounds), slack, &Building::new(&()))
+    }
+
+    /// As [`build`](Self::build), of boxes that are at hand.
+    #[doc(hidden)]
+    pub fn of(boxes: Vec<Bounds>, slack: f64) -> Self {
+        Self::over(boxes, slack, &Building::new(&()))
     }
 
     /// As [`build`](Self::build); `watch` may end it.
@@ -56,20 +62,11 @@ impl Bvh {
         watch: &dyn Watch,
     ) -> Result<Self> {
         let building = Building::new(watch);
-        let tree = Self::build_by(count, bounds, slack, &building);
+        let tree = Self::over(gathered(count, bounds), slack, &building);
         building.end(0).map(|()| tree)
     }
 
-    fn build_by(
-        count: u32,
-        bounds: impl Fn(u32) -> Bounds + Sync,
-        slack: f64,
-        building: &Building<'_>,
-    ) -> Self {
-        let indices: Vec<u32> = (0..count).collect();
-        let boxes: Vec<Bounds> = parallel::gather(indices.chunks(CHUNK), |indices| {
-            indices.iter().copied().map(&bounds).collect()
-        });
+    fn over(boxes: Vec<Bounds>, slack: f64, building: &Building<'_>) -> Self {
         let all = boxes.iter().copied().fold(Bounds::EMPTY, Bounds::union);
         let origin = if all.is_empty() { DVec3::ZERO } else { middle(&boxes) };
         let extent = (all.high - origin).max(origin - all.low).max_element();
@@ -80,17 +77,18 @@ impl Bvh {
             nodes: Vec::new(),
             places: None,
         };
-        let filled = (0..count).zip(boxes).filter(|(_, bounds)| !bounds.is_empty());
+        let filled = (0..).zip(boxes).filter(|(_, bounds)| !bounds.is_empty());
         let mut items: Vec<Item> =
             filled.map(|(index, bounds)| Item::new(tree.rounded_outwards(bounds), index)).collect();
         if items.is_empty() {
             return tree;
         }
         let Binary { nodes, order } = binary(&mut items, &Boxes(building));
+        drop(items);
         if building.is_stopped() {
             return tree;
         }
-        let Wide { mut nodes, ranges } = collapse(&nodes, || building.is_stopped());
+        let Wide { mut nodes, ranges } = collapse(nodes, || building.is_stopped());
         for child in nodes.iter_mut().flat_map(|node| &mut node.children) {
             if let Some(&(first, _)) = ranges.get((*child ^ LEAF) as usize) {
                 *child = LEAF | order[first as usize];
@@ -168,6 +166,14 @@ impl Bvh {
         let [low, high] = self.space.outwards(bounds);
         Box32::new(low, high)
     }
+}
+
+/// The boxes `bounds(0)` to `bounds(count - 1)`.
+fn gathered(count: u32, bounds: impl Fn(u32) -> Bounds + Sync) -> Vec<Bounds> {
+    let indices: Vec<u32> = (0..count).collect();
+    parallel::gather(indices.chunks(CHUNK), |indices| {
+        indices.iter().copied().map(&bounds).collect()
+    })
 }
 
 /// The number of boxes in the sample that the middle is found by.
