@@ -64,7 +64,7 @@ pub(super) struct BoxSpace {
 /// Places in a tree: sixteen times the index of a node, and the place among its children.
 #[derive(Debug, Clone)]
 pub(super) struct Places {
-    /// The place of each box; any for a box that is not in the tree.
+    /// The place of each box; one that no box has for a box that is not in the tree.
     pub(super) boxes: Vec<u32>,
     /// The place of each node in its parent.
     pub(super) nodes: Vec<u32>,

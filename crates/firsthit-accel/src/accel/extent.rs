@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use super::bvh::Bvh;
 use super::mesh_tree::MeshTree;
 use super::node::{LEAF, WIDTH};
 use crate::geometry::{Bounds, DAffine3, DVec3, arrays};
@@ -10,6 +11,38 @@ use crate::simd::set_bits;
 
 /// At least the rounding of a vertex to float32, in units of the tree.
 const ROUNDED: f64 = 1.0 / (1_u64 << 22) as f64;
+
+impl Bvh {
+    /// Calls `visit` with the boxes that may end beyond what was found, the farthest of each node
+    /// first: upwards along an axis, with `side` 0 downwards. It returns where what was found ends
+    /// then.
+    #[doc(hidden)]
+    pub fn each_beyond(
+        &self,
+        [axis, side]: [usize; 2],
+        mut found: f64,
+        mut visit: impl FnMut(u32) -> f64,
+    ) {
+        let sign = [-1.0, 1.0][side];
+        let mut stack = Vec::from_iter(self.nodes.first().map(|_| (0, f64::INFINITY)));
+        while let Some((child, reach)) = stack.pop() {
+            // Boxes were rounded after the same operations.
+            if reach < sign * ((found - self.space.origin[axis]) * self.space.scale) {
+                continue;
+            }
+            if child & LEAF != 0 {
+                found = visit(child & !LEAF);
+                continue;
+            }
+            let node = &self.nodes[child as usize];
+            let ends = node.planes[2 * axis + side].map(|end| sign * f64::from(end));
+            let bottom = stack.len();
+            let all = node.children.into_iter().zip(ends);
+            stack.extend(all.filter(|&(_, end)| end > f64::NEG_INFINITY));
+            stack[bottom..].sort_unstable_by(|(_, a), (_, b)| a.total_cmp(b));
+        }
+    }
+}
 
 impl MeshTree {
     /// A box around the mesh after a transform, in constant time: the box around the transformed

@@ -52,8 +52,8 @@ impl Nearby<'_> {
         }
     }
 
-    /// Lower bounds of the squares of the distances to a node's boxes, infinity where there is
-    /// none. Where one is NaN or leaves float64, zero.
+    /// Lower bounds of the squares of the distances to a node's boxes, NaN where there is none.
+    /// Where a bound is NaN or leaves float64, zero.
     fn squared(&self, node: &Node) -> [f64; WIDTH] {
         let mut squared = [0.0; WIDTH];
         for (planes, at) in node.planes.chunks_exact(2).zip(self.at.to_array()) {
@@ -67,7 +67,7 @@ impl Nearby<'_> {
         for (k, squared) in squared.iter_mut().enumerate() {
             let below = *squared * (1.0 - 8.0 * f64::EPSILON);
             *squared = if node.is_vacant(k) {
-                f64::INFINITY
+                f64::NAN
             } else if below < f64::INFINITY {
                 below
             } else {

@@ -305,12 +305,12 @@ fn reason(
         Encounter::Met(place) => (Reason::BehindHit, Some(place)),
         Encounter::Rejected(place, why) => (why.into(), Some(place)),
         Encounter::Untouched => {
-            let wide = &scene.boxes()[index as usize];
+            let wide = scene.box_around(index as usize);
             if wide.is_empty() {
                 return (Reason::Empty, None);
             }
             // The box of the tree may be wider than the object's own, which takes longer to find.
-            let passage = match passage(ray, wide, hit.t) {
+            let passage = match passage(ray, &wide, hit.t) {
                 Passage::Missed => Passage::Missed,
                 _ => passage(ray, &scene.smallest_box(index as usize), hit.t),
             };

@@ -104,9 +104,8 @@ struct Lists {
 
 impl Lists {
     fn new(scene: &Scene) -> Self {
-        let boxes = scene.boxes().iter();
-        let numbers =
-            |&Bounds { low, high }: &Bounds| [low.x, low.y, low.z, high.x, high.y, high.z];
+        let boxes = scene.boxes().into_iter();
+        let numbers = |Bounds { low, high }| [low.x, low.y, low.z, high.x, high.y, high.z];
         let groups = scene.groups();
         Self {
             boxes: boxes.map(numbers).collect(),

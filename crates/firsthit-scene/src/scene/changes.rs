@@ -3,7 +3,8 @@
 use std::collections::BTreeMap;
 use std::sync::OnceLock;
 
-use super::{Places, Scene, extent};
+use super::top_tree::{self, TopTree};
+use super::{Places, Scene};
 use crate::error::{Error, Result};
 use crate::geometry::Transform;
 use crate::watch::Watch;
@@ -71,22 +72,18 @@ impl Scene {
         for &(object, transform) in places {
             self.objects[object].place(transform);
         }
-        let around = |k: usize| extent::box_around(&self.objects[k], self.trees[k].own());
         if has_parted {
-            for &object in &moved {
-                self.top.set_box(object, around(object as usize));
-            }
-            self.top.rebuild(&self.objects, &self.trees);
+            self.top = TopTree::new(&self.objects, &self.trees);
         } else {
-            self.top.moved(&self.objects, &self.trees, &moved, around);
+            self.top.changed(&self.objects, &self.trees, &moved);
         }
         self.forget_places();
         Ok(())
     }
 
     /// Hides objects from all rays and other queries, or shows them: `true` beside an object hides
-    /// it. They keep their identifiers. Only the tree over the objects is built anew, and the trees
-    /// of meshes that are shown again and had shared one. `lint` looks at hidden objects too.
+    /// it. They keep their identifiers. The tree over the objects is fitted to few of them, and
+    /// built anew for many; so are the trees of meshes that are shown again and had shared one. `lint` looks at hidden objects too.
     ///
     /// # Errors
     ///
@@ -110,9 +107,10 @@ impl Scene {
     ) -> Result<()> {
         // Of an object that is there twice the last one counts.
         let last: BTreeMap<usize, bool> = objects.iter().copied().collect();
-        let (mut hidden, mut shown) = (Vec::new(), Vec::new());
+        let (mut changed, mut hidden, mut shown) = (Vec::new(), Vec::new(), Vec::new());
         for (&object, &is_hidden) in &last {
             let identifier = self.check_object(object)?;
+            changed.push(identifier);
             let has_mesh = self.objects[object].mesh().is_some();
             if is_hidden {
                 hidden.push(identifier);
@@ -123,11 +121,15 @@ impl Scene {
         for (object, tree) in self.own_trees(&shown, watch)? {
             self.trees[object] = tree;
         }
-        self.part(&hidden, false, watch)?;
+        let has_parted = self.part(&hidden, false, watch)?;
         for (&object, &is_hidden) in &last {
             self.objects[object].hide(is_hidden);
         }
-        self.top.rebuild(&self.objects, &self.trees);
+        if top_tree::are_few(changed.len(), self.objects.len()) && !has_parted {
+            self.top.changed(&self.objects, &self.trees, &changed);
+        } else {
+            self.top = TopTree::new(&self.objects, &self.trees);
+        }
         self.derived.first_open = OnceLock::new();
         self.forget_places();
         Ok(())

@@ -96,7 +96,8 @@ impl Duplicates {
     /// Whether an object is in the place of an earlier one.
     #[inline]
     pub fn contains(&self, object: u32) -> bool {
-        self.is_duplicate[object as usize]
+        // Of one that is new it was not asked.
+        self.is_duplicate.get(object as usize).is_some_and(|&is_duplicate| is_duplicate)
     }
 
     /// The objects in the place of one.

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 
-use super::{Object, Scene, top_tree};
+use super::{Group, Object, ObjectTree, Scene, top_tree};
 use crate::accel::MeshTree;
 use crate::geometry::{Bounds, DVec3};
 use crate::parallel;
@@ -19,32 +19,47 @@ impl Scene {
     /// Around each end the objects are asked for their smallest boxes whose wide boxes go beyond
     /// what was found, the farthest first.
     fn smallest_bounds(&self) -> Bounds {
-        let boxes = self.top.boxes();
-        let is_counted = |&k: &usize| {
-            let is_bounded = !boxes[k].is_empty() && boxes[k].is_finite();
-            is_bounded && !self.objects[k].is_hidden()
-        };
         let mut found = Bounds::EMPTY;
-        for axis in 0..3 {
-            for is_high in [false, true] {
-                let reach = |bounds: &Bounds| {
-                    if is_high { bounds.high[axis] } else { -bounds.low[axis] }
-                };
-                let mut farthest: Vec<(f64, usize)> = (0..boxes.len())
-                    .filter(is_counted)
-                    .map(|k| (reach(&boxes[k]), k))
-                    .filter(|&(bound, _)| bound > reach(&found))
+        for end in 0..6 {
+            let [axis, side] = [end / 2, end % 2];
+            let end = |bounds: &Bounds| [bounds.low, bounds.high][side][axis];
+            let reach = |bounds: &Bounds| [-1.0, 1.0][side] * end(bounds);
+            self.top.each_beyond([axis, side], end(&found), |object| {
+                let mut farthest: Vec<(f64, usize)> = (self.standing_in_for(object))
+                    .map(|k| (self.box_around(k), k))
+                    .filter(|(around, _)| !around.is_empty() && around.is_finite())
+                    .map(|(around, k)| (reach(&around), k))
                     .collect();
                 farthest.sort_unstable_by(|(a, _), (b, _)| b.total_cmp(a));
                 for (bound, k) in farthest {
-                    if bound <= reach(&found) {
-                        break;
+                    if bound > reach(&found) {
+                        found = found.union(self.smallest_box(k));
                     }
-                    found = found.union(self.smallest_box(k));
                 }
-            }
+                end(&found)
+            });
         }
         found
+    }
+
+    /// The objects that one stands for in the tree over the objects.
+    fn standing_in_for(&self, object: u32) -> impl Iterator<Item = usize> {
+        let group = self.group_led_by(object);
+        let alone = group.is_none().then_some(object);
+        let members = group.into_iter().flat_map(Group::members).map(|(member, _)| member);
+        members.chain(alone).map(|k| k as usize)
+    }
+
+    /// See [`box_around`]; of a hidden object too.
+    #[doc(hidden)]
+    pub fn box_around(&self, index: usize) -> Bounds {
+        box_around(&self.objects[index], self.trees[index].own())
+    }
+
+    /// A box around each object, from which the tree over them is made.
+    #[doc(hidden)]
+    pub fn boxes(&self) -> Vec<Bounds> {
+        boxes(&self.objects, &self.trees)
     }
 
     /// [`Object::bounds`] of an object, found by the tree of its mesh.
@@ -65,9 +80,8 @@ impl Scene {
     /// `None` where something has no end.
     #[doc(hidden)]
     pub fn blocking_bounds(&self) -> Option<Bounds> {
-        let mut boxed = self.objects.iter().zip(self.top.boxes());
-        let is_endless =
-            || boxed.any(|(object, bounds)| !object.is_hidden() && top_tree::is_unbounded(bounds));
+        let has_no_end = |object| top_tree::is_unbounded(&self.box_around(object as usize));
+        let is_endless = || self.top.outside().any(has_no_end);
         if *parallel::once(&self.derived.places.endless, is_endless) {
             return None;
         }
@@ -104,6 +118,15 @@ pub(super) fn box_around(object: &Object, tree: Option<&Arc<MeshTree>>) -> Bound
     turned
         .and_then(|tree| tree.transformed_bounds(transform.world_from_object()))
         .unwrap_or_else(|| object.box_around())
+}
+
+/// A box around each object. Few objects are the calling thread's alone, and need no pool.
+pub(super) fn boxes(objects: &[Object], trees: &[ObjectTree]) -> Vec<Bounds> {
+    let parts = objects.chunks(parallel::MANY).zip(trees.chunks(parallel::MANY));
+    parallel::gather(parts, |(objects, trees)| {
+        let around = |(object, tree): (&Object, &ObjectTree)| box_around(object, tree.own());
+        objects.iter().zip(trees).map(around).collect()
+    })
 }
 
 /// Something of each object, by its number. Few objects may take long each, and of many each takes

@@ -256,7 +256,7 @@ impl Scene {
             // Objects that have left a group may join another one.
             scene.trees = object_trees(&self.objects, best, None, watch)?;
         }
-        scene.top.rebuild(&scene.objects, &scene.trees);
+        scene.top = TopTree::new(&scene.objects, &scene.trees);
         Ok(scene)
     }
 
@@ -274,14 +274,18 @@ impl Scene {
         // A wrong setting is told here: shooting has no way to.
         InstructionSet::current()?;
         let trees = object_trees(&objects, build, before, watch)?;
-        let unmoved = before.filter(|before| before.is_in_place(&objects, &trees));
-        let (top, bounds) = if let Some(before) = unmoved {
-            (before.top.clone(), before.derived.places.bounds.clone())
-        } else {
-            let around = |k: usize, object: &Object| extent::box_around(object, trees[k].own());
-            let boxes = extent::in_parts(&objects, around);
-            (TopTree::new(&objects, &trees, boxes), OnceLock::new())
+        let changed =
+            before.and_then(|before| before.few_changed(&objects, &trees).zip(Some(before)));
+        let Some((changed, before)) = changed else {
+            let top = TopTree::new(&objects, &trees);
+            return Ok(Self::over((objects, trees), build, top, OnceLock::new()));
         };
+        let (mut top, mut bounds) = (before.top.clone(), OnceLock::new());
+        if changed.is_empty() {
+            bounds.clone_from(&before.derived.places.bounds);
+        } else {
+            top.changed(&objects, &trees, &changed);
+        }
         Ok(Self::over((objects, trees), build, top, bounds))
     }
 
@@ -309,15 +313,19 @@ impl Scene {
         }
     }
 
-    /// Whether the objects are in the places of this scene's and joined alike, whatever they look
-    /// like.
-    fn is_in_place(&self, objects: &[Object], trees: &[ObjectTree]) -> bool {
+    /// The objects that are not in the places of this scene's, whatever they look like, or new
+    /// behind them; `None` where they are many, or joined in another way.
+    fn few_changed(&self, objects: &[Object], trees: &[ObjectTree]) -> Option<Vec<u32>> {
         let leader = |tree: &ObjectTree| tree.group().map(|group| group.leader());
-        let mut pairs = self.objects.iter().zip(objects);
-        let mut trees = self.trees.iter().zip(trees);
-        self.objects.len() == objects.len()
-            && pairs.all(|(one, other)| one.is_in_place_of(other))
-            && trees.all(|(one, other)| leader(one) == leader(other))
+        let (known, new) = trees.split_at_checked(self.trees.len())?;
+        let are_joined_alike = (self.trees.iter().map(leader).eq(known.iter().map(leader)))
+            && new.iter().all(|tree| leader(tree).is_none());
+        let mut before = self.objects.iter();
+        let is_other = |object| !before.next().is_some_and(|it: &Object| it.is_in_place_of(object));
+        let numbered = (0..).zip(objects.iter().map(is_other));
+        let changed: Vec<u32> =
+            numbered.filter(|&(_, is_other)| is_other).map(|(k, _)| k).collect();
+        (are_joined_alike && top_tree::are_few(changed.len(), objects.len())).then_some(changed)
     }
 
     /// Changes the direction [`up`](Self::up). Hits and the fingerprint do not depend on it.
@@ -415,12 +423,6 @@ impl Scene {
     #[doc(hidden)]
     pub fn lists_candidates(&self) -> bool {
         self.top.lists_candidates()
-    }
-
-    /// A box around each object, from which the tree over them is made.
-    #[doc(hidden)]
-    pub fn boxes(&self) -> &[Bounds] {
-        self.top.boxes()
     }
 
     /// The first object that is not [closed](Shape::is_closed), or has parts that are cut out. An

@@ -16,7 +16,7 @@ use crate::geometry::Bounds;
 pub struct SceneParts {
     pub objects: Vec<Object>,
     pub trees: Vec<ObjectTree>,
-    /// A box around each object.
+    /// A box around each object, for the tree over them alone.
     pub boxes: Vec<Bounds>,
     /// Objects, each with a later one in its place.
     pub duplicates: Vec<[u32; 2]>,

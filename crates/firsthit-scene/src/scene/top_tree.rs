@@ -4,9 +4,9 @@ mod packet;
 
 use std::collections::HashMap;
 
-use super::Object;
 use super::duplicates::Duplicates;
 use super::joined::ObjectTree;
+use super::{Object, extent};
 use crate::accel::{Bvh, Nearby, WalkStack};
 use crate::geometry::{Beam, Bounds, DVec3, Ray};
 pub use packet::PacketCandidates;
@@ -47,8 +47,8 @@ pub(super) struct TopTree {
     pub(super) duplicates: Duplicates,
     /// See [`TopTree::only_object`].
     only_object: Option<u32>,
-    /// A box around each object.
-    boxes: Vec<Bounds>,
+    /// The number of objects.
+    count: usize,
     /// The number of boxes a ray was expected to meet when the tree was built.
     expected_visits: f64,
     /// The number of moves since the expected visits were last compared.
@@ -95,33 +95,33 @@ impl Candidate {
 }
 
 impl TopTree {
-    /// Builds the tree of objects with these boxes around them, at most `i32::MAX`.
-    pub(super) fn new(objects: &[Object], trees: &[ObjectTree], boxes: Vec<Bounds>) -> Self {
+    /// Builds the tree of objects, at most `i32::MAX`.
+    pub(super) fn new(objects: &[Object], trees: &[ObjectTree]) -> Self {
+        let boxes = extent::boxes(objects, trees);
         let duplicates = Duplicates::new(objects, trees, &boxes);
         Self::with_duplicates(objects, trees, boxes, duplicates)
     }
 
-    /// Builds the tree as [`new`](Self::new) does, where the duplicates are known.
+    /// Builds the tree as [`new`](Self::new) does, where a box around each object and the
+    /// duplicates are known.
     pub(super) fn with_duplicates(
         objects: &[Object],
         trees: &[ObjectTree],
-        boxes: Vec<Bounds>,
+        mut boxes: Vec<Bounds>,
         duplicates: Duplicates,
     ) -> Self {
         let count = u32::try_from(objects.len()).expect("identifiers are numbers of 31 bits");
-        let together = boxes_together(trees, &boxes);
-        let around = |k: u32| {
-            let joined = together.get(&k).copied();
-            joined.unwrap_or(boxes[k as usize])
-        };
-        let is_loose = |k: u32| is_loose(objects, k as usize, &around(k));
+        for (leader, together) in boxes_together(trees, &boxes) {
+            boxes[leader as usize] = together;
+        }
+        let in_tree = |k: u32| !is_loose(objects, k as usize, &boxes[k as usize]);
         let is_out = |k: u32| {
             let group = trees[k as usize].group();
             let follows = group.is_some_and(|group| group.leader() != k);
             follows || duplicates.contains(k) || objects[k as usize].is_hidden()
         };
-        let loose = (0..count).filter(|&k| is_loose(k) && !is_out(k));
-        let candidate = |k: u32| Candidate::new(objects, &duplicates, k, around(k));
+        let loose = (0..count).filter(|&k| !in_tree(k) && !is_out(k));
+        let candidate = |k: u32| Candidate::new(objects, &duplicates, k, boxes[k as usize]);
         let outside = loose.map(candidate).collect();
         let mut listed = Vec::new();
         if objects.len() <= LISTED {
@@ -129,17 +129,14 @@ impl TopTree {
             listed.sort_by_key(|candidate: &Candidate| !candidate.is_lone_shape);
         }
         let slack = (0..count)
-            .filter(|&k| !is_loose(k))
+            .filter(|&k| in_tree(k))
             .map(|k| objects[k as usize].slack())
             .fold(Bvh::OBJECTS, f64::max);
-        let padded = |k: u32| {
-            if is_loose(k) || is_out(k) {
-                Bounds::EMPTY
-            } else {
-                objects[k as usize].padded(around(k), slack)
-            }
-        };
-        let tree = Bvh::build(count, padded, slack);
+        for (k, (object, bounds)) in (0..).zip(objects.iter().zip(&mut boxes)) {
+            let is_in = !is_loose(objects, k as usize, bounds) && !is_out(k);
+            *bounds = if is_in { object.padded(*bounds, slack) } else { Bounds::EMPTY };
+        }
+        let tree = Bvh::of(boxes, slack);
         let mut there = (0..count).filter(|&k| !is_out(k));
         let first = there.next();
         let is_one = duplicates.is_empty() && there.next().is_none();
@@ -151,76 +148,65 @@ impl TopTree {
             lone_shapes: (listed.iter().map(|candidate| u32::from(candidate.is_lone_shape))).sum(),
             listed,
             duplicates,
-            boxes,
+            count: objects.len(),
             moves: 0,
         }
     }
 
-    /// Fits the tree to objects that were moved. Each takes time in proportion to the tree's depth;
-    /// the first call also finds all leaves. The tree is built anew once fitted boxes overlap too
-    /// much. `around` is a box around an object.
-    pub(super) fn moved(
-        &mut self,
-        objects: &[Object],
-        trees: &[ObjectTree],
-        moved: &[u32],
-        around: impl Fn(usize) -> Bounds,
-    ) {
-        for &index in moved {
-            self.boxes[index as usize] = around(index as usize);
-            if let Some(listed) = self.listed.iter_mut().find(|it| it.object == index) {
-                let bounds = self.boxes[index as usize];
-                *listed = Candidate::new(objects, &self.duplicates, index, bounds);
-            }
-        }
-        let is_fitted = moved.iter().all(|&index| self.fit(objects, index));
-        self.moves += moved.len();
+    /// Fits the tree to objects that are other ones now: moved, hidden, shown, of another shape, or
+    /// new behind the others. Each takes time in proportion to the tree's depth; the first call
+    /// also finds all leaves. The tree is built anew once fitted boxes overlap too much.
+    pub(super) fn changed(&mut self, objects: &[Object], trees: &[ObjectTree], changed: &[u32]) {
+        self.count = objects.len();
+        let is_fitted = changed.iter().all(|&index| self.fit(objects, trees, index));
+        self.moves += changed.len();
         if !is_fitted || self.is_worn() {
-            self.rebuild(objects, trees);
+            *self = Self::new(objects, trees);
         }
     }
 
     /// Whether fitting has made the tree much worse than it was built.
     fn is_worn(&mut self) -> bool {
-        if self.moves * MOVES_EACH < self.boxes.len() {
+        if self.moves * MOVES_EACH < self.count {
             return false;
         }
         self.moves = 0;
         self.tree.expected_visits() > WORN * self.expected_visits
     }
 
-    /// Builds the tree anew, after objects were hidden or shown.
-    pub(super) fn rebuild(&mut self, objects: &[Object], trees: &[ObjectTree]) {
-        *self = Self::new(objects, trees, std::mem::take(&mut self.boxes));
-    }
-
-    /// Fits the tree to an object whose box has changed, if it can be fitted.
-    fn fit(&mut self, objects: &[Object], moved: u32) -> bool {
-        let index = moved as usize;
-        let (object, bounds) = (&objects[index], self.boxes[index]);
-        if bounds.is_empty() || object.is_hidden() {
-            // It is in no tree, and no ray meets it anywhere.
-            return true;
-        }
-        if self.duplicates.contains(moved) || !self.duplicates.of(moved).is_empty() {
+    /// Fits the tree to an object that has changed, if it can be fitted.
+    fn fit(&mut self, objects: &[Object], trees: &[ObjectTree], changed: u32) -> bool {
+        let object = &objects[changed as usize];
+        let is_seen = !object.is_hidden();
+        let has_copies = !self.duplicates.of(changed).is_empty();
+        let is_odd = has_copies || self.duplicates.contains(changed);
+        let is_other = |only| only != changed || !is_seen;
+        if is_odd
+            || trees[changed as usize].group().is_some()
+            || self.only_object.is_some_and(is_other)
+        {
             return false;
         }
-        let key = |outside: &Candidate| outside.object;
-        let loose = self.outside.binary_search_by_key(&moved, key).ok();
-        let is_loose = is_loose(objects, index, &bounds);
-        let slack = self.tree.slack();
-        if loose.is_some() || is_loose || object.slack() > slack {
-            if let Some(place) = loose {
-                self.outside[place] = Candidate::new(objects, &self.duplicates, moved, bounds);
+        let around = || extent::box_around(object, trees[changed as usize].own());
+        let bounds = if is_seen { around() } else { Bounds::EMPTY };
+        let candidate = Candidate::new(objects, &self.duplicates, changed, bounds);
+        if !self.listed.is_empty() {
+            let listed = self.listed.iter_mut().find(|listed| listed.object == changed);
+            match listed.filter(|it| is_seen && it.is_lone_shape == candidate.is_lone_shape) {
+                Some(listed) => *listed = candidate.clone(),
+                None => return false,
             }
-            return loose.is_some() && is_loose;
         }
-        self.tree.refit(moved, object.padded(bounds, slack))
-    }
-
-    /// Sets the box around an object, for a tree that is [built anew](Self::rebuild) after that.
-    pub(super) fn set_box(&mut self, object: u32, bounds: Bounds) {
-        self.boxes[object as usize] = bounds;
+        let key = |outside: &Candidate| outside.object;
+        let loose = self.outside.binary_search_by_key(&changed, key).ok();
+        let is_loose = is_seen && is_loose(objects, changed as usize, &bounds);
+        let slack = self.tree.slack();
+        let Some(place) = loose else {
+            let fits = !is_loose && object.slack() <= slack;
+            return fits && self.tree.refit(changed, object.padded(bounds, slack));
+        };
+        self.outside[place] = candidate;
+        is_loose
     }
 
     /// The object that stands for all that rays may meet, if it is one alone and no other is in its
@@ -229,9 +215,23 @@ impl TopTree {
         self.only_object
     }
 
-    /// A box around each object.
-    pub(super) fn boxes(&self) -> &[Bounds] {
-        &self.boxes
+    /// Calls `visit` with the objects in whose place something may end beyond what was found, those
+    /// in the tree as [`Bvh::each_beyond`] does.
+    pub(super) fn each_beyond(
+        &self,
+        end: [usize; 2],
+        mut found: f64,
+        mut visit: impl FnMut(u32) -> f64,
+    ) {
+        for outside in &self.outside {
+            found = visit(outside.object);
+        }
+        self.tree.each_beyond(end, found, visit);
+    }
+
+    /// The objects that are in no tree.
+    pub(super) fn outside(&self) -> impl Iterator<Item = u32> {
+        self.outside.iter().map(|outside| outside.object)
     }
 
     /// The size of the tree in bytes.
@@ -246,7 +246,7 @@ impl TopTree {
             outside: &self.outside,
             listed: &[],
             left: 0,
-            tree: (self.outside.len() < self.boxes.len()).then_some(&self.tree),
+            tree: (self.outside.len() < self.count).then_some(&self.tree),
         }
     }
 }
@@ -346,6 +346,11 @@ fn boxes_together(trees: &[ObjectTree], boxes: &[Bounds]) -> HashMap<u32, Bounds
     together
 }
 
+/// Whether to fit a tree to so many changed objects takes less time than to build it anew.
+pub(super) fn are_few(changed: usize, of: usize) -> bool {
+    8 * changed <= of
+}
+
 /// Whether an object is in no tree.
 fn is_loose(objects: &[Object], index: usize, bounds: &Bounds) -> bool {
     objects.len() <= FEW || is_unbounded(bounds) || objects[index].slack() > LARGEST_SLACK
@@ -430,8 +435,7 @@ mod tests {
     }
 
     fn tree(objects: &[Object]) -> TopTree {
-        let boxes = objects.iter().map(Object::box_around).collect();
-        TopTree::new(objects, &no_trees(objects), boxes)
+        TopTree::new(objects, &no_trees(objects))
     }
 
     /// The order of the tree's nodes and boxes.
@@ -451,7 +455,7 @@ mod tests {
                 for &k in &moved {
                     objects[k as usize] = after[k as usize].clone();
                 }
-                fitted.moved(&objects, &no_trees(&objects), &moved, |k| objects[k].box_around());
+                fitted.changed(&objects, &no_trees(&objects), &moved);
                 let built = tree(&objects).tree.expected_visits();
                 let visits = fitted.tree.expected_visits();
                 assert!(visits < 2.0 * built, "{step} {first}: {visits}, {built} where it is new");
@@ -468,7 +472,7 @@ mod tests {
         let all: Vec<u32> = (0..200).collect();
         for step in 0..300 {
             let objects = balls(1, 1e-6 * f64::from(step));
-            fitted.moved(&objects, &no_trees(&objects), &all, |k| objects[k].box_around());
+            fitted.changed(&objects, &no_trees(&objects), &all);
         }
         assert!((fitted.tree.expected_visits() / visits - 1.0).abs() < 1e-3);
         assert_eq!(order(&fitted), before);

@@ -1,7 +1,10 @@
 //! Scenes made from others: what is used again gives the same answers.
 
+use firsthit::nearest::{NearestSettings, closest_points};
 use firsthit::shoot::{Count, First, trace};
-use firsthit::{Cuboid, DAffine3, DQuat, DVec3, Object, Plane, Ray, Sphere, Transform};
+use firsthit::{
+    Bounds, Cuboid, DAffine3, DQuat, DVec3, Object, Plane, Ray, Scene, Sphere, Transform,
+};
 
 use crate::support::{Numbers, agree, bits, bumpy_sphere, mesh, rays, scene};
 
@@ -96,26 +99,91 @@ fn a_moved_object_is_met_as_in_a_scene_built_anew() {
         }
         moved.move_objects(&places).unwrap();
         places.clear();
-        let anew = scene(objects.clone());
-        assert_eq!(moved.bounds(), anew.bounds());
         let rays: Vec<Ray> = (0..200)
             .map(|_| {
                 let origin = 6.0 * numbers.point();
                 Ray::new(origin, 3.0 * numbers.point() - origin)
             })
             .collect();
-        let [got, expected] = [&moved, &anew].map(|scene| trace(scene, &rays, First, &()).unwrap());
-        for (k, ray) in rays.iter().enumerate() {
-            assert_eq!(bits(&got.get(k)), bits(&expected.get(k)), "{step} {ray:?}");
-        }
-        let [got, expected] = [&moved, &anew].map(|scene| trace(scene, &rays, Count, &()).unwrap());
-        assert_eq!(got, expected, "{step}");
-        agree(&moved, &rays[0]);
+        assert_answers_as_anew(&moved, &objects, &rays, step);
     }
     let before = moved.bounds();
     let far = Transform::translation(DVec3::splat(1e6)).unwrap();
     assert!(moved.move_objects(&[(0, far), (40, far)]).is_err());
     assert_eq!(moved.bounds(), before);
+}
+
+/// More objects than are listed, so that the tree over them is fitted: each change takes some out of
+/// it, puts them back or adds to it.
+#[test]
+fn objects_that_come_and_go_are_met_as_in_a_scene_built_anew() {
+    let (points, triangles) = bumpy_sphere(6, 3);
+    let ball = mesh(&points, triangles);
+    let mut numbers = Numbers::new(21);
+    let mut new = |k: usize| {
+        let object = match k % 5 {
+            0 => Object::new(Sphere::new(DVec3::ZERO, 0.7).unwrap()),
+            1 => Object::new(Cuboid::new(DVec3::splat(-0.5), DVec3::splat(0.5)).unwrap()),
+            _ => Object::new(ball.clone()),
+        };
+        let turn = DQuat::from_axis_angle(numbers.point().normalize(), 3.0 * numbers.unit());
+        let place = DAffine3::from_rotation_translation(turn, 9.0 * numbers.point());
+        object.placed(Transform::new(place).unwrap())
+    };
+    let mut objects: Vec<Object> = (0..100).map(&mut new).collect();
+    objects[7] = Object::new(Plane::new(DVec3::splat(-9.0), DVec3::Z).unwrap());
+    objects[8] = objects[9].clone();
+    let mut changed = scene(objects.clone());
+    for step in 0..240 {
+        let one = new(step);
+        let k = (step * step * 31 + step) % objects.len();
+        // At times all but a few are hidden.
+        let hidden: Vec<(usize, bool)> = match step % 60 {
+            50 => (3..objects.len()).map(|k| (k, true)).collect(),
+            51..58 => vec![(step % 60 - 50, false), (step % 60 - 49, true)],
+            58 => (0..objects.len()).map(|k| (k, k % 9 == 0)).collect(),
+            _ => vec![(k, step % 3 > 0), (k / 2, false)],
+        };
+        match step % 4 {
+            0 => objects.push(one),
+            1 => objects[k] = one,
+            2 => objects[k] = objects[k].clone().hidden(true).removed(step % 8 == 2),
+            _ => {
+                for &(k, is_hidden) in &hidden {
+                    objects[k] = objects[k].clone().hidden(is_hidden);
+                }
+                changed.hide_objects(&hidden).unwrap();
+                let to = *one.transform();
+                objects[k / 3] = objects[k / 3].clone().placed(to);
+                changed.move_object(k / 3, to).unwrap();
+            }
+        }
+        changed = changed.with_objects(objects.clone()).unwrap();
+        let rays: Vec<Ray> = rays(&points, 100, step as u64)
+            .into_iter()
+            .map(|ray| Ray::new(9.0 * ray.origin, ray.direction))
+            .collect();
+        assert_answers_as_anew(&changed, &objects, &rays, step);
+    }
+}
+
+/// The judge of the bounds are all corners, that of rays and nearest points a scene built anew.
+fn assert_answers_as_anew(changed: &Scene, objects: &[Object], rays: &[Ray], step: usize) {
+    let anew = scene(objects.to_vec());
+    let there = objects.iter().filter(|object| !object.is_hidden()).map(Object::bounds);
+    let around = there.filter(Bounds::is_finite).fold(Bounds::EMPTY, Bounds::union);
+    assert_eq!(changed.bounds(), around, "{step}");
+    let [got, expected] = [changed, &anew].map(|scene| trace(scene, rays, First, &()).unwrap());
+    for (k, ray) in rays.iter().enumerate() {
+        assert_eq!(bits(&got.get(k)), bits(&expected.get(k)), "{step} {ray:?}");
+    }
+    let [got, expected] = [changed, &anew].map(|scene| trace(scene, rays, Count, &()).unwrap());
+    assert_eq!(got, expected, "{step}");
+    agree(changed, &rays[0]);
+    let from = [rays[1].origin.to_array()];
+    let nearest = |scene| closest_points(scene, &from, NearestSettings::default(), &()).unwrap();
+    let [got, expected] = [changed, &anew].map(nearest);
+    assert_eq!((got.object, got.distance), (expected.object, expected.distance), "{step}");
 }
 
 #[test]

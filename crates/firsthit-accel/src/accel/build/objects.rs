@@ -98,9 +98,9 @@ impl Bvh {
         tree
     }
 
-    /// Fits the tree to one box that has moved, to a finite place: from its leaf up to the root,
-    /// the boxes around it change. `false` where it is so far away that the tree must be built
-    /// anew.
+    /// Fits the tree to one box that has moved, to a finite place, that is new, or that is empty
+    /// now: from its leaf up to the root, the boxes around it change. `false` where it is so far
+    /// away, or so much stands where it is new, that the tree must be built anew.
     #[doc(hidden)]
     pub fn refit(&mut self, moved: u32, bounds: Bounds) -> bool {
         let origin = self.space.origin;
@@ -111,28 +111,52 @@ impl Bvh {
         }
         self.extent = extent;
         let mut around = self.rounded_outwards(bounds);
-        let places = self.places.take().unwrap_or_else(|| self.find_places());
-        let mut place = places.boxes[moved as usize] as usize;
-        loop {
-            let index = place / WIDTH;
+        let mut places = self.places.take().unwrap_or_else(|| self.find_places());
+        let known = places.boxes.get(moved as usize).filter(|&&place| place != NOWHERE);
+        let place = known.copied().or_else(|| {
+            let vacant = self.vacant_place(around).filter(|_| !bounds.is_empty())?;
+            let child = &mut self.nodes[vacant as usize / WIDTH].children[vacant as usize % WIDTH];
+            places.give(vacant, *child & !LEAF, moved);
+            *child = LEAF | moved;
+            Some(vacant)
+        });
+        let mut next = place;
+        while let Some(place) = next {
+            let index = place as usize / WIDTH;
             let node = &mut self.nodes[index];
-            node.set_child_box(place % WIDTH, around);
-            let all = boxes(node).reduce(Box32::union);
-            let Some(all) = all.filter(|_| index > 0) else {
-                break;
-            };
-            around = all;
-            place = places.nodes[index] as usize;
+            node.set_child_box(place as usize % WIDTH, around);
+            around = boxes(node).fold(Box32::EMPTY, Box32::union);
+            next = (index > 0).then(|| places.nodes[index]);
         }
         self.places = Some(places);
-        true
+        place.is_some() || bounds.is_empty()
+    }
+
+    /// A place for a leaf that is new: of the nodes on the way down to where boxes grow the least,
+    /// one of the lowest that has any.
+    fn vacant_place(&self, around: Box32) -> Option<u32> {
+        let (mut found, mut next) = (None, (!self.nodes.is_empty()).then_some(0));
+        while let Some(index) = next {
+            let node = &self.nodes[index];
+            // What once was a node may have leaves below that come again.
+            let is_free = |&k: &usize| node.is_vacant(k) && node.children[k] & LEAF != 0;
+            let free = (0..WIDTH).find(is_free);
+            found = free.and_then(|k| u32::try_from(index * WIDTH + k).ok()).or(found);
+            let below = (0..WIDTH).filter(|&k| node.children[k] & LEAF == 0);
+            let grown = below.filter_map(|k| {
+                let bounds = node.child_box(k)?;
+                Some((bounds.union(around).half_area() - bounds.half_area(), node.children[k]))
+            });
+            next = grown.min_by(|(a, _), (b, _)| a.total_cmp(b)).map(|(_, child)| child as usize);
+        }
+        found
     }
 
     fn find_places(&self) -> Places {
         let boxes = self.children().filter(|(_, child)| child & LEAF != 0);
         let last = boxes.map(|(_, child)| child & !LEAF).max();
         let mut places = Places {
-            boxes: vec![0; last.map_or(0, |last| last as usize + 1)],
+            boxes: vec![NOWHERE; last.map_or(0, |last| last as usize + 1)],
             nodes: vec![0; self.nodes.len()],
         };
         for (place, child) in self.children() {
@@ -163,6 +187,9 @@ impl Bvh {
     }
 
     fn rounded_outwards(&self, bounds: Bounds) -> Box32 {
+        if bounds.is_empty() {
+            return Box32::EMPTY;
+        }
         let [low, high] = self.space.outwards(bounds);
         Box32::new(low, high)
     }
@@ -174,6 +201,21 @@ fn gathered(count: u32, bounds: impl Fn(u32) -> Bounds + Sync) -> Vec<Bounds> {
     parallel::gather(indices.chunks(CHUNK), |indices| {
         indices.iter().copied().map(&bounds).collect()
     })
+}
+
+/// The place of a box that is not in the tree.
+const NOWHERE: u32 = u32::MAX;
+
+impl Places {
+    /// Gives a box a place that may have been another's.
+    fn give(&mut self, place: u32, before: u32, to: u32) {
+        if let Some(known) = self.boxes.get_mut(before as usize).filter(|known| **known == place) {
+            *known = NOWHERE;
+        }
+        let count = self.boxes.len().max(to as usize + 1);
+        self.boxes.resize(count, NOWHERE);
+        self.boxes[to as usize] = place;
+    }
 }
 
 /// The number of boxes in the sample that the middle is found by.

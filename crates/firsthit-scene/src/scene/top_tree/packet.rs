@@ -14,7 +14,7 @@ impl TopTree {
         rays: (&WorldRays, usize),
         stack: &mut WalkStack,
     ) -> Option<PacketCandidates<'_>> {
-        (self.outside.len() < self.boxes.len()).then_some(())?;
+        (self.outside.len() < self.count).then_some(())?;
         let walk = self.tree.packet_walk(l, rays, stack)?;
         Some(PacketCandidates { outside: &self.outside, walk })
     }
