@@ -131,8 +131,8 @@ impl Scene {
         Ok(Self(scene.with_lights(lights).with_environment(environment)))
     }
 
-    /// The scene with other objects in the place of some, with objects moved, and some hidden
-    /// (`true`) or shown.
+    /// The scene with other objects in the place of some, or behind all, with objects moved, and
+    /// some hidden (`true`) or shown.
     fn changed(
         &self,
         py: Python<'_>,
@@ -162,8 +162,9 @@ impl Scene {
             if has_new_objects {
                 let mut objects = scene.objects().to_vec();
                 for (identifier, object) in replaced {
-                    if let Some(place) = objects.get_mut(identifier) {
-                        *place = object;
+                    match objects.get_mut(identifier) {
+                        Some(place) => *place = object,
+                        None => objects.push(object),
                     }
                 }
                 scene = scene.with_objects_watched(objects, watch)?;

@@ -70,17 +70,20 @@ class Built:
                 report,
             )
 
+    @uncollected()
     def changed(self, changed: Mapping[int, Object], report: Report | None) -> Built:
-        """Return what is built when some objects, given by identifier, are others.
+        """Return what is built when some objects, by identifiers, are others or new at the end.
 
         Only what changed is converted: where an object only moved, its transform.
         """
         objects = self.objects[:]
         replaced, moved, hidden = [], [], []
         looks: dict[tuple[int, ...], list[_firsthit._Material]] = {}
+        count = len(objects)
+        objects.extend(made for identifier, made in changed.items() if identifier >= count)
         for identifier, made in changed.items():
             old, objects[identifier] = objects[identifier], made
-            if not made._is_made_of(old):
+            if identifier >= count or not made._is_made_of(old):
                 replaced.append((identifier, made._native(looks)))
                 continue
             if made._transform is not old._transform:

@@ -349,13 +349,12 @@ class Changes(Traceable):
         last = self._last
         if last is None or last.moves is not self._moves or last.known != len(last.moves):
             return None
-        return last.built if self._is_all_in(last.built) else None
+        is_all = len(last.built.objects) == len(self._objects)
+        return last.built if is_all and self._is_lit_as(last.built) else None
 
-    def _is_all_in(self, built: Built) -> bool:
-        """Tell whether nothing was added since something was built."""
-        counts = len(built.objects), len(built.lights)
-        is_all = counts == (len(self._objects), len(self._lights))
-        return is_all and built.around == self._around()
+    def _is_lit_as(self, built: Built) -> bool:
+        """Tell whether lights and surroundings are those of something that was built."""
+        return len(built.lights) == len(self._lights) and built.around == self._around()
 
     def _around(self) -> Surroundings:
         """Return what is around; which way is up counts only for an environment."""
@@ -371,13 +370,14 @@ class Changes(Traceable):
         does no harm: it is made again.
         """
         last = self._last
-        if last is not None and last.moves is self._moves and self._is_all_in(last.built):
+        if last is not None and last.moves is self._moves and self._is_lit_as(last.built):
             # Moves are counted before the objects are copied: a later one is then beyond the count.
             known = len(last.moves)
             # A copy, which shows all objects at one moment.
             objects = self._objects[:]
-            count = len(last.built.objects)
-            changed = {k: objects[k] for k in last.moves[last.known :] if k < count}
+            new = range(len(last.built.objects), len(objects))
+            changed = {k: objects[k] for k in last.moves[last.known :] if k < new.start}
+            changed |= {k: objects[k] for k in new}
             built = last.built.changed(changed, report)
             self._last = Last(built, last.moves, known)
             return built
