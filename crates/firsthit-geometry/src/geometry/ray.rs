@@ -1,3 +1,5 @@
+use bytemuck::{Pod, Zeroable};
+
 use super::{DVec3, PixelGrid, RayFilter};
 
 /// The points `origin + t * direction` with `t_min < t <= t_max`, in world space unless said
@@ -12,7 +14,8 @@ use super::{DVec3, PixelGrid, RayFilter};
 /// let ray = Ray::new(DVec3::new(1.0, 0.0, 0.0), DVec3::new(0.0, 2.0, 0.0)).up_to(10.0);
 /// assert_eq!(ray.at(3.0), DVec3::new(1.0, 6.0, 0.0));
 /// ```
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
+#[repr(C)]
 pub struct Ray {
     /// The point where `t` is zero; not itself part of the ray.
     pub origin: DVec3,

@@ -23,7 +23,7 @@ use crate::parallel;
 use crate::scene::{Group, ObjectCandidates, Scene};
 use crate::shape::Meshes;
 use crate::shape::triangle::MeshFilter;
-use crate::simd::{self, Kernel, Lanes};
+use crate::simd::{self, Kernel, Lanes, set_bits};
 use crate::watch::{Watch, stop_if_asked};
 
 /// The most rays that a thread takes at a time: enough to be worth it, few enough to stop within a
@@ -204,9 +204,12 @@ impl<S: Sink> Batch<'_, S> {
         let mut sixteen = [Ray::new(DVec3::ZERO, DVec3::ZERO); RAYS];
         for (packet, first) in packets.iter_mut().zip((0..count).step_by(RAYS)) {
             let length = (count - first).min(RAYS);
-            rays.read(start + first, &mut sixteen[..length]);
-            for (lane, ray) in sixteen.iter().enumerate() {
-                packet.put(lane, ray);
+            let here = start + first..start + first + length;
+            if let Some(array) = rays.array() {
+                packet.put_rays(l, &array[here]);
+            } else {
+                rays.read(here.start, &mut sixteen[..length]);
+                packet.put_rays(l, &sixteen[..length]);
             }
             prefetch(l, rays, start + count + first, length);
             let mut plain = packet.enter(l, object.transform());
@@ -223,12 +226,12 @@ impl<S: Sink> Batch<'_, S> {
             }
             let plain = plain & !packet.distant;
             packet.alive &= plain & !unseen;
-            for lane in 0..length {
-                if plain >> lane & 1 == 0 {
-                    alone.push(first + lane);
-                } else if packet.alive >> lane & 1 == 0 {
-                    sink.2.put(first + lane, &S::Query::START);
-                }
+            let all = u16::MAX >> (RAYS - length);
+            for lane in set_bits(all & !plain) {
+                alone.push(first + lane);
+            }
+            for lane in set_bits(all & plain & !packet.alive) {
+                sink.2.put(first + lane, &S::Query::START);
             }
             let mut packet = MeshPacket::new(tree, mesh, packet);
             let numbered = (at_mesh.len(), &mut packet);

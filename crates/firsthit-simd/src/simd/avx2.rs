@@ -177,6 +177,26 @@ fn widen_half(a: __m256) -> D {
     ])
 }
 
+#[inline(always)]
+fn narrow_half(x: D) -> __m256 {
+    x86!(_mm256_set_m128(_mm256_cvtpd_ps(x[1]), _mm256_cvtpd_ps(x[0])))
+}
+
+/// Four rows of four to four columns.
+#[inline(always)]
+fn transpose_half(a: __m256d, b: __m256d, c: __m256d, d: __m256d) -> [__m256d; 4] {
+    x86!({
+        let (ab, cd) = (_mm256_unpacklo_pd(a, b), _mm256_unpacklo_pd(c, d));
+        let (other_ab, other_cd) = (_mm256_unpackhi_pd(a, b), _mm256_unpackhi_pd(c, d));
+        [
+            _mm256_permute2f128_pd::<0x20>(ab, cd),
+            _mm256_permute2f128_pd::<0x20>(other_ab, other_cd),
+            _mm256_permute2f128_pd::<0x31>(ab, cd),
+            _mm256_permute2f128_pd::<0x31>(other_ab, other_cd),
+        ]
+    })
+}
+
 impl Lanes for Avx2 {
     type Floats = F;
     type Doubles = D;
@@ -285,10 +305,7 @@ impl Lanes for Avx2 {
     #[inline(always)]
     fn store_narrowed(self, x: D, to: &mut [f32; WIDE]) {
         // One store: a load of all eight would wait until two are in the cache.
-        x86!({
-            let both = _mm256_set_m128(_mm256_cvtpd_ps(x[1]), _mm256_cvtpd_ps(x[0]));
-            _mm256_storeu_ps(to.as_mut_ptr(), both);
-        });
+        x86!(_mm256_storeu_ps(to.as_mut_ptr(), narrow_half(x)));
     }
     #[inline(always)]
     fn load64(self, from: &[f64; WIDE]) -> D {
@@ -309,6 +326,32 @@ impl Lanes for Avx2 {
     #[inline(always)]
     fn interleave64(self, a: D, b: D) -> [D; 2] {
         [interleave_half(a[0], b[0]), interleave_half(a[1], b[1])]
+    }
+    #[inline(always)]
+    fn narrow(self, first: D, second: D) -> F {
+        [narrow_half(first), narrow_half(second)]
+    }
+    #[inline(always)]
+    fn widen(self, x: F) -> [D; 2] {
+        [widen_half(x[0]), widen_half(x[1])]
+    }
+    #[inline(always)]
+    fn transpose64(self, rows: [D; WIDE]) -> [D; WIDE] {
+        let [a, b, c, d, e, f, g, h] = rows;
+        macro_rules! columns {
+            ($part:literal) => {{
+                let first = transpose_half(a[$part], b[$part], c[$part], d[$part]);
+                let second = transpose_half(e[$part], f[$part], g[$part], h[$part]);
+                [
+                    [first[0], second[0]],
+                    [first[1], second[1]],
+                    [first[2], second[2]],
+                    [first[3], second[3]],
+                ]
+            }};
+        }
+        let ([a, b, c, d], [e, f, g, h]) = (columns!(0), columns!(1));
+        [a, b, c, d, e, f, g, h]
     }
     #[inline(always)]
     fn prefetch<T>(self, what: &T) {

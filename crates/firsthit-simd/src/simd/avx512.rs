@@ -196,6 +196,20 @@ impl Lanes for Avx512 {
         ])
     }
     #[inline(always)]
+    fn narrow(self, first: D, second: D) -> F {
+        x86!({
+            let (first, second) = (_mm512_cvtpd_ps(first), _mm512_cvtpd_ps(second));
+            _mm512_insertf32x8::<1>(_mm512_castps256_ps512(first), second)
+        })
+    }
+    #[inline(always)]
+    fn widen(self, x: F) -> [D; 2] {
+        x86!([
+            _mm512_cvtps_pd(_mm512_castps512_ps256(x)),
+            _mm512_cvtps_pd(_mm512_extractf32x8_ps::<1>(x))
+        ])
+    }
+    #[inline(always)]
     fn prefetch<T>(self, what: &T) {
         x86::prefetch(what);
     }

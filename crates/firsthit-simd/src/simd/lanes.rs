@@ -101,6 +101,23 @@ pub trait Lanes: Copy + Send + Sync {
     /// Eight float64, rounded to the nearest float32.
     fn store_narrowed(self, x: Self::Doubles, to: &mut [f32; WIDE]);
 
+    /// Sixteen float64, rounded to the nearest float32.
+    #[inline(always)]
+    fn narrow(self, first: Self::Doubles, second: Self::Doubles) -> Self::Floats {
+        let mut both = [[0.0; WIDE]; 2];
+        self.store_narrowed(first, &mut both[0]);
+        self.store_narrowed(second, &mut both[1]);
+        self.load(bytemuck::cast_ref(&both))
+    }
+
+    /// Sixteen float32 in float64.
+    #[inline(always)]
+    fn widen(self, x: Self::Floats) -> [Self::Doubles; 2] {
+        let mut both = [[0.0; WIDE]; 2];
+        self.store(x, bytemuck::cast_mut(&mut both));
+        [self.load_widened(&both[0]), self.load_widened(&both[1])]
+    }
+
     fn splat64(self, x: f64) -> Self::Doubles;
     fn load64(self, from: &[f64; WIDE]) -> Self::Doubles;
     fn store64(self, x: Self::Doubles, to: &mut [f64; WIDE]);
@@ -134,6 +151,18 @@ pub trait Lanes: Copy + Send + Sync {
     fn select64(self, mask: u8, a: Self::Doubles, b: Self::Doubles) -> Self::Doubles;
     /// The lanes of both in turns: `a` 0, `b` 0, `a` 1, `b` 1 and so on.
     fn interleave64(self, a: Self::Doubles, b: Self::Doubles) -> [Self::Doubles; 2];
+    /// Eight rows of eight to eight columns.
+    #[inline(always)]
+    fn transpose64(self, mut rows: [Self::Doubles; WIDE]) -> [Self::Doubles; WIDE] {
+        // A number's place is its row's three bits and its column's: each round turns them by one.
+        for _ in 0..3 {
+            let old = rows;
+            for k in 0..WIDE / 2 {
+                [rows[2 * k], rows[2 * k + 1]] = self.interleave64(old[k], old[k + WIDE / 2]);
+            }
+        }
+        rows
+    }
 
     /// Prefetches `what`, which is read soon.
     fn prefetch<T>(self, what: &T);

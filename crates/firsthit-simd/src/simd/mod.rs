@@ -232,6 +232,15 @@ mod tests {
             let mut narrow = [0.0; WIDE];
             l.store_narrowed(l.div64(a, l.splat64(3.0)), &mut narrow);
             out.extend(narrow.map(|x| u64::from(x.to_bits())));
+            let mut both = [0.0; LANES];
+            l.store(l.narrow(l.div64(a, l.splat64(3.0)), b), &mut both);
+            out.extend(both.map(|x| u64::from(x.to_bits())));
+            let columns = l.transpose64([a, b, low, high, a, b, high, low]);
+            for double in columns.into_iter().chain(l.widen(l.load(&self.b))) {
+                let mut lanes = [0.0; WIDE];
+                l.store64(double, &mut lanes);
+                out.extend(lanes.map(f64::to_bits));
+            }
             out.extend([mask, l.le64(a, b)].map(u64::from));
         }
     }

@@ -1,17 +1,17 @@
 //! The ends of a packet's rays as depths in float32.
 //!
 //! A parameter `t` becomes a depth by a product, and a difference with the depth that the start was
-//! moved by, both in float64. [`Limits`] are that depth, less or plus its error and that of the
-//! depth of a hit at `t`. So each errs on its safe side.
+//! moved by, both in float64; then it is rounded to float32. [`Limits`] are that depth, less or plus
+//! its error and that of the depth of a hit at `t`. So each errs on its safe side.
 //!
 //! # Error bounds
 //!
 //! - `DEPTH` times the reach, and three blurs: what `filter.rs` computes for the depth of a hit.
-//! - `ROUNDED_DEPTH` times the depth itself: the rounding of the product and the difference to
-//!   float32.
+//! - `ROUNDED_DEPTH` times the depth itself: its rounding to float32, and that of its sum with the
+//!   error.
 
-use super::packet::{Packet, RAYS, of, of_mut};
-use super::prepare::Rounding;
+use super::packet::{Packet, RAYS, of};
+use super::prepare::both;
 use crate::accel::bounds::{BLURS, DEPTH, ROUNDED_DEPTH};
 use crate::simd::Lanes;
 
@@ -50,41 +50,49 @@ impl Limits {
 }
 
 impl Packet {
-    /// Computes the bounds on the depths of `t_min` and `t_max`.
+    /// Computes the bounds on the depths of `t_min` and `t_max`, with the reach and the blur.
     #[inline(always)]
-    pub(super) fn set_limits<L: Lanes>(&mut self, l: L, half: usize, rounding: &Rounding<L>) {
-        let blur = l.mul64(l.splat64(f64::from(BLURS)), rounding.blur);
-        let error = l.add64(rounding.share(l, DEPTH), blur);
-        l.store_narrowed(error, of_mut(&mut self.depth_error, half));
-        let zero = l.splat64(0.0);
+    pub(super) fn set_limits<L: Lanes>(
+        &mut self,
+        l: L,
+        has_second: bool,
+        (reach, blur): (L::Floats, L::Floats),
+    ) {
+        let error = l.mul_add(reach, l.splat(DEPTH), l.mul(blur, l.splat(BLURS)));
+        l.store(error, &mut self.depth_error);
         // The depth at a parameter, less its error and plus its error.
         macro_rules! ends {
-            ($t:expr) => {{
-                let depth = l.mul64($t, l.load64(of(&self.depth_per_t, half)));
-                let depth = l.sub64(depth, l.load64(of(&self.moved, half)));
-                let share = l.mul64(l.abs64(depth), l.splat64(f64::from(ROUNDED_DEPTH)));
-                let slack = l.add64(share, error);
+            ($t:ident) => {{
+                let [first, second] = both!(l, has_second, half => {
+                    let t = l.load64(of(&self.$t, half));
+                    let depth = l.mul64(t, l.load64(of(&self.depth_per_t, half)));
+                    l.sub64(depth, l.load64(of(&self.moved, half)))
+                });
                 // Infinity less a part of infinity is NaN.
-                let is_finite = l.lt64(depth, l.splat64(f64::INFINITY));
-                let less = l.select64(is_finite, l.sub64(depth, slack), depth);
-                (less, l.add64(depth, slack))
+                let depth = l.min(l.narrow(first, second), l.splat(f32::MAX));
+                let slack = l.mul_add(l.abs(depth), l.splat(ROUNDED_DEPTH), error);
+                (l.sub(depth, slack), l.add(depth, slack))
             }};
         }
-        let (t_max_low, t_max_high) = ends!(l.load64(of(&self.t_max, half)));
-        l.store_narrowed(t_max_high, of_mut(&mut self.t_max_high, half));
-        l.store_narrowed(t_max_low, of_mut(&mut self.t_max_low, half));
-        let t_min = l.load64(of(&self.t_min, half));
-        let begins = l.lt64(zero, t_min);
+        let (t_max_low, t_max_high) = ends!(t_max);
+        l.store(t_max_high, &mut self.t_max_high);
+        l.store(t_max_low, &mut self.t_max_low);
+        let zero = l.splat(0.0);
         let (mut t_min_low, mut t_min_high) = (zero, zero);
+        let mut begins = [0; 2];
+        for (half, begins) in begins.iter_mut().enumerate() {
+            *begins = l.lt64(l.splat64(0.0), l.load64(of(&self.t_min, half)));
+        }
+        let begins = u16::from_le_bytes(begins);
         if begins != 0 {
             let (less, more) = ends!(t_min);
             // Wherever the start was moved, what is ahead of it is ahead of the origin. A NaN makes
             // nothing certain.
-            t_min_low = l.select64(begins, l.max64(less, zero), zero);
-            t_min_high = l.select64(begins, l.max64(zero, more), zero);
+            t_min_low = l.select(begins, l.max(less, zero), zero);
+            t_min_high = l.select(begins, l.max(zero, more), zero);
         }
-        l.store_narrowed(t_min_low, of_mut(&mut self.t_min_low, half));
-        l.store_narrowed(t_min_high, of_mut(&mut self.t_min_high, half));
+        l.store(t_min_low, &mut self.t_min_low);
+        l.store(t_min_high, &mut self.t_min_high);
     }
 
     /// The limits of a ray.

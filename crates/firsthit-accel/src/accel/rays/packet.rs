@@ -131,6 +131,31 @@ impl Packet {
         self.t_max[lane] = ray.t_max;
     }
 
+    /// Puts rays into the first lanes: all sixteen at once, or fewer one by one.
+    #[inline(always)]
+    pub fn put_rays<L: Lanes>(&mut self, l: L, rays: &[Ray]) {
+        let Some(rays) = rays.first_chunk::<RAYS>() else {
+            for (lane, ray) in rays.iter().enumerate() {
+                self.put(lane, ray);
+            }
+            return;
+        };
+        for half in 0..2 {
+            let rays = of(rays, half);
+            let mut rows = [l.splat64(0.0); WIDE];
+            for k in 0..WIDE {
+                rows[k] = l.load64(bytemuck::cast_ref(&rays[k]));
+            }
+            let columns = l.transpose64(rows);
+            for axis in 0..3 {
+                l.store64(columns[axis], of_mut(&mut self.origin[axis], half));
+                l.store64(columns[3 + axis], of_mut(&mut self.direction[axis], half));
+            }
+            l.store64(columns[6], of_mut(&mut self.t_min, half));
+            l.store64(columns[7], of_mut(&mut self.t_max, half));
+        }
+    }
+
     /// Puts rays into all lanes, each up to its limit.
     #[inline(always)]
     pub fn put_all(&mut self, rays: &WorldRays, limits: &[f64; RAYS]) {

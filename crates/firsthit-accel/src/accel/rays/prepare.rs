@@ -1,5 +1,6 @@
-//! Makes sixteen rays ready for the tree of a mesh, or for one each, eight at a time:
-//! [`TreeRay`](super::tree_ray::TreeRay) says what the numbers mean.
+//! Makes sixteen rays ready for the tree of a mesh, or for one each:
+//! [`TreeRay`](super::tree_ray::TreeRay) says what the numbers mean. What needs float64 is computed
+//! in two halves, all else in float32.
 //!
 //! 1. Find the axis along which the direction is longest. The others come first, so that slopes are
 //!    at most 1.
@@ -7,16 +8,16 @@
 //!    ray, in float64, to two units before the point that is nearest to the tree's middle.
 //! 3. Compute how far rounding can put the ray off: the reach and the blur (see `bounds.rs`).
 //! 4. Split the start into two float32, the second of which is what the first leaves out.
-//! 5. Bound the depths at which the ray begins and ends (`limits.rs`).
-//! 6. Compute what the test of a node takes, sixteen at a time in float32: one over the direction,
-//!    and the start over the direction, moved by the margin.
+//! 5. Compute what the test of a node takes: one over the direction, and the start over the
+//!    direction, moved by the margin.
+//! 6. Bound the depths at which the ray begins and ends (`limits.rs`).
 //!
 //! # Error bounds
 //!
 //! The margin of a box is `BOX` times the reach and two blurs. In units of `U reach`:
 //!
-//! - 1: the start, rounded to float32, 1: its sum with the margin, and 1: the product of that with
-//!   one over the direction;
+//! - 1: the start, rounded to float32, 1: its product with one over the direction, and 1: the sum
+//!   of that and the margin over the direction;
 //! - 2: the direction, rounded to float32, and one over that;
 //! - 1: the product of a plane with that, and 1: the difference of both;
 //! - 1: the vertices, rounded to float32 when the tree is made.
@@ -28,61 +29,54 @@
     reason = "for chains of iterators the compiler copies registers to memory"
 )]
 
-use super::packet::{Packet, RAYS, largest_of, of_mut, vector};
+use super::packet::{Packet, RAYS, largest_of, of, of_mut, vector};
 use super::slabs::SMALLEST;
 use super::trees::Trees;
 use crate::accel::bounds::{BLUR, BOX, DISTANT, FAR};
-use crate::simd::{Aligned, Lanes, WIDE};
+use crate::simd::{Lanes, WIDE};
 
-/// Between the axes of space and those of each ray, `TreeRay::axes`.
-struct Axes {
-    /// The rays whose direction is longest along x, and along y; of all others it is along z.
-    first: u8,
-    second: u8,
-}
+/// `FAR` in float32.
+const FARTHEST: f32 = 8.0;
+const _: () = assert!(FARTHEST as f64 == FAR);
+
+/// The rays whose direction is longest along x, and along y; of all others it is along z.
+#[derive(Clone, Copy)]
+struct Axes([u16; 2]);
 
 impl Axes {
-    /// Finds the longest component of each direction; of equal components the first, as in the
-    /// exact test.
-    #[inline(always)]
-    fn new<L: Lanes>(l: L, d: &[L::Doubles; 3]) -> Self {
-        let [x, y, z] = [l.abs64(d[0]), l.abs64(d[1]), l.abs64(d[2])];
-        let first = l.le64(y, x) & l.le64(z, x);
-        let second = !first & l.le64(z, y);
-        Self { first, second }
-    }
-
-    #[inline(always)]
-    fn choose<L: Lanes>(&self, l: L, [a, b, c]: [L::Doubles; 3]) -> L::Doubles {
-        l.select64(self.first, a, l.select64(self.second, b, c))
-    }
-
     /// Reorders components from the axes of space to those of the rays.
     #[inline(always)]
-    fn turned<L: Lanes>(&self, l: L, [x, y, z]: [L::Doubles; 3]) -> [L::Doubles; 3] {
-        [self.choose(l, [y, z, x]), self.choose(l, [z, x, y]), self.choose(l, [x, y, z])]
-    }
-
-    /// Reorders components from the axes of the rays to those of space.
-    #[inline(always)]
-    fn restored<L: Lanes>(&self, l: L, [x, y, z]: [L::Doubles; 3]) -> [L::Doubles; 3] {
-        [self.choose(l, [z, y, x]), self.choose(l, [x, z, y]), self.choose(l, [y, x, z])]
-    }
-}
-
-/// The rounding errors of rays: see `bounds.rs` for the words.
-pub(super) struct Rounding<L: Lanes> {
-    pub(super) reach: L::Doubles,
-    pub(super) blur: L::Doubles,
-}
-
-impl<L: Lanes> Rounding<L> {
-    /// A share of the reach.
-    #[inline(always)]
-    pub(super) fn share(&self, l: L, share: f32) -> L::Doubles {
-        l.mul64(l.splat64(f64::from(share)), self.reach)
+    fn turned<L: Lanes>(self, l: L, [x, y, z]: [L::Floats; 3]) -> [L::Floats; 3] {
+        let Self([first, second]) = self;
+        [
+            l.select(first, y, l.select(second, z, x)),
+            l.select(first, z, l.select(second, x, y)),
+            l.select(first, x, l.select(second, y, z)),
+        ]
     }
 }
+
+/// Both halves of sixteen float64.
+type Both<L> = [<L as Lanes>::Doubles; 2];
+
+/// Computes a number of each ray, half by half; zeros for a half without rays.
+macro_rules! both {
+    ($l:ident, $has_second:ident, $half:ident => $number:expr) => {{
+        let first = {
+            let $half = 0;
+            $number
+        };
+        let second = if $has_second {
+            let $half = 1;
+            $number
+        } else {
+            $l.splat64(0.0)
+        };
+        [first, second]
+    }};
+}
+
+pub(super) use both;
 
 impl Packet {
     /// Makes the first `count` rays ready for the tree or trees that they are at. They are
@@ -127,119 +121,176 @@ impl Packet {
     ) {
         self.departing = 0;
         self.begin = [0; RAYS];
-        let mut margins = Aligned([0.0; RAYS]);
-        let (first, first_distant) = self.prepare_half(l, trees, (0, off), &mut margins.0);
         // One ray alone is common.
-        let (second, second_distant) = if count > WIDE {
-            self.prepare_half(l, trees, (1, off), &mut margins.0)
-        } else {
-            (0, 0)
-        };
-        self.set_slabs(l, &margins.0);
-        self.distant = u16::from_le_bytes([first_distant, second_distant]);
-        self.alive = u16::from_le_bytes([first, second]) & lowest(count) & !self.distant;
-    }
-
-    /// Makes eight ready, but for step 6, which takes their `margins`. Returns which of them may
-    /// meet something, and which are distant.
-    #[inline(always)]
-    fn prepare_half<L: Lanes>(
-        &mut self,
-        l: L,
-        trees: impl Trees,
-        (half, off): (usize, f64),
-        margins: &mut [f32; RAYS],
-    ) -> (u8, u8) {
+        let has_second = count > WIDE;
         let number = |x: f64| l.splat64(x);
-        let (zero, one) = (number(0.0), number(1.0));
-        let (origin, d) = (vector(l, &self.origin, half), vector(l, &self.direction, half));
-        let axes = Axes::new(l, &d);
-        let [across, upwards, along] = axes.turned(l, d);
-        let sign = l.select64(l.lt64(along, zero), number(-1.0), one);
-        let slope = [l.mul64(sign, l.div64(across, along)), l.mul64(sign, l.div64(upwards, along))];
-        let scale = trees.scale(l, half);
-        let mut start = [zero; 3];
+        let (axes, longest, direction) = self.directions(l, has_second);
+        let scale = both!(l, has_second, half => trees.scale(l, half));
+        let mut start = [[number(0.0); 2]; 3];
         for axis in 0..3 {
-            let moved = l.sub64(origin[axis], trees.origin(l, half, axis));
-            start[axis] = l.mul64(moved, scale);
+            start[axis] = both!(l, has_second, half => {
+                let origin = l.load64(of(&self.origin[axis], half));
+                l.mul64(l.sub64(origin, trees.origin(l, half, axis)), scale[half])
+            });
         }
-        let mut largest = largest_of(l, &start);
-        let size = l.mul64(largest_of(l, &origin), scale);
-        let mut blur = l.fused_mul_add64(number(BLUR), l.add64(size, number(100.0)), number(off));
-        blur = trees.with_rounding(l, half, blur);
-        let mut moved = zero;
-        let far = !l.le64(largest, number(FAR));
-        let mut distant = 0;
+        let blur = both!(l, has_second, half => {
+            let size = l.mul64(largest_of(l, &vector(l, &self.origin, half)), scale[half]);
+            let blur =
+                l.fused_mul_add64(number(BLUR), l.add64(size, number(100.0)), number(off));
+            trees.with_rounding(l, half, blur)
+        });
+        let depth_per_t = both!(l, has_second, half => l.mul64(longest[half], scale[half]));
+        let mut blur = narrow(l, blur);
+        let [mut high, mut low] = split(l, &start);
+        let mut largest = size(l, &high);
+        let farthest = l.splat(FARTHEST);
+        let far = lowest(count) & !l.le(largest, farthest);
+        let mut moved = [number(0.0); 2];
+        self.distant = 0;
         if far != 0 {
-            // A little farther away than [`MeshTree::is_distant`] has it.
-            distant = !l.le64(largest, number(1.000_001 * DISTANT));
-            let direction = axes.restored(l, [slope[0], slope[1], sign]);
-            (start, moved, blur) = nearer(l, far, &start, &direction, blur);
-            largest = largest_of(l, &start);
+            let mut further = [number(0.0); 2];
+            self.distant = far & self.move_nearer(l, far, (&mut start, &mut moved, &mut further));
+            blur = l.add(blur, narrow(l, further));
+            [high, low] = split(l, &start);
+            largest = size(l, &high);
         }
         // Written so that a NaN fails. The ray passes the tree, or leaves it behind.
-        let near = l.le64(largest, number(FAR));
+        let near = l.le(largest, farthest);
+        self.alive = near & lowest(count) & !self.distant;
 
-        let reach = l.add64(l.mul64(largest, number(1.000_001)), one);
-        let rounding = Rounding { reach, blur };
-        let margin = l.add64(rounding.share(l, BOX), l.add64(blur, blur));
-        l.store_narrowed(margin, of_mut(margins, half));
-        let start = axes.turned(l, start);
+        for half in 0..2 {
+            l.store64(depth_per_t[half], of_mut(&mut self.depth_per_t, half));
+            l.store64(moved[half], of_mut(&mut self.moved, half));
+        }
+        let reach = l.mul_add(largest, l.splat(1.000_001), l.splat(1.0));
+        let margin = l.mul_add(reach, l.splat(BOX), l.add(blur, blur));
+        self.set_slabs(l, (&high, &direction), margin);
+        l.store(blur, &mut self.blur);
+        let [across, upwards, forwards] = axes.turned(l, direction);
+        l.store(across, &mut self.slope[0]);
+        l.store(upwards, &mut self.slope[1]);
+        l.store(forwards, &mut self.forwards);
+        let (high, low) = (axes.turned(l, high), axes.turned(l, low));
         for axis in 0..3 {
-            let [high, low] = &mut self.start[axis];
-            let high = of_mut(high, half);
-            l.store_narrowed(start[axis], high);
-            let rest = l.sub64(start[axis], l.load_widened(high));
-            l.store_narrowed(rest, of_mut(low, half));
+            l.store(high[axis], &mut self.start[axis][0]);
+            l.store(low[axis], &mut self.start[axis][1]);
         }
-        l.store_narrowed(slope[0], of_mut(&mut self.slope[0], half));
-        l.store_narrowed(slope[1], of_mut(&mut self.slope[1], half));
-        l.store_narrowed(sign, of_mut(&mut self.forwards, half));
-        l.store_narrowed(blur, of_mut(&mut self.blur, half));
-        let third = !(axes.first | axes.second);
-        for (is_along, here) in self.is_along.iter_mut().zip([axes.second, third]) {
-            let mut halves = is_along.to_le_bytes();
-            halves[half] = here;
-            *is_along = u16::from_le_bytes(halves);
-        }
-        let depth_per_t = l.mul64(l.abs64(along), scale);
-        l.store64(depth_per_t, of_mut(&mut self.depth_per_t, half));
-        l.store64(moved, of_mut(&mut self.moved, half));
-        self.set_limits(l, half, &rounding);
-        (near, distant)
+        let Axes([first, second]) = axes;
+        self.is_along = [second, !(first | second)];
+        self.set_limits(l, has_second, (reach, blur));
     }
 
-    /// Step 6: what the test of a node takes.
+    /// Step 1: the longest component of each direction, of equal ones the first, as in the exact
+    /// test; and the directions with that as 1 or -1.
     #[inline(always)]
-    fn set_slabs<L: Lanes>(&mut self, l: L, margins: &[f32; RAYS]) {
-        let [second, third] = self.is_along;
-        // Reorders components from the axes of the rays to those of space.
-        macro_rules! restored {
-            ($x:expr, $y:expr, $z:expr) => {{
-                let [x, y, z] = [l.load($x), l.load($y), l.load($z)];
-                [
-                    l.select(third, x, l.select(second, y, z)),
-                    l.select(third, y, l.select(second, z, x)),
-                    l.select(third, z, l.select(second, x, y)),
-                ]
-            }};
-        }
-        let direction = restored!(&self.slope[0], &self.slope[1], &self.forwards);
-        let start = restored!(&self.start[0][0], &self.start[1][0], &self.start[2][0]);
-        let (zero, one, margin) = (l.splat(0.0), l.splat(1.0), l.load(margins));
+    fn directions<L: Lanes>(&self, l: L, has_second: bool) -> (Axes, Both<L>, [L::Floats; 3]) {
+        let (mut first, mut second) = ([0; 2], [0; 2]);
+        let mut is_plain = u8::MAX;
+        let longest = both!(l, has_second, half => {
+            let d = vector(l, &self.direction, half);
+            let longest = largest_of(l, &d);
+            first[half] = l.le64(longest, l.abs64(d[0]));
+            second[half] = !first[half] & l.le64(longest, l.abs64(d[1]));
+            // The reciprocal of any other has fewer digits.
+            is_plain &= l.le64(longest, l.splat64(1e300)) & l.le64(l.splat64(1e-300), longest);
+            longest
+        });
+        let over = both!(l, has_second, half => l.div64(l.splat64(1.0), longest[half]));
+        let mut direction = [l.splat(0.0); 3];
         for axis in 0..3 {
-            let back = l.lt(direction[axis], zero);
-            let is_small = l.lt(l.abs(direction[axis]), l.splat(SMALLEST));
-            let huge = l.splat(1.0 / SMALLEST);
-            let huge = l.select(back, l.sub(zero, huge), huge);
-            let over = l.select(is_small, huge, l.div(one, direction[axis]));
-            let wider = l.select(back, l.sub(zero, margin), margin);
-            let minus = l.sub(zero, over);
+            direction[axis] = narrow(
+                l,
+                both!(l, has_second, half => {
+                    let along = l.load64(of(&self.direction[axis], half));
+                    if is_plain == u8::MAX {
+                        l.mul64(along, over[half])
+                    } else {
+                        l.div64(along, longest[half])
+                    }
+                }),
+            );
+        }
+        (Axes([u16::from_le_bytes(first), u16::from_le_bytes(second)]), longest, direction)
+    }
+
+    /// Step 5: what the test of a node takes, from the starts and directions.
+    #[inline(always)]
+    fn set_slabs<L: Lanes>(
+        &mut self,
+        l: L,
+        (start, direction): (&[L::Floats; 3], &[L::Floats; 3]),
+        margin: L::Floats,
+    ) {
+        let (least, most) = (l.splat(-1.0 / SMALLEST), l.splat(1.0 / SMALLEST));
+        let minus = l.sub(l.splat(0.0), margin);
+        for axis in 0..3 {
+            let over = l.div(l.splat(1.0), direction[axis]);
+            let over = l.max(l.min(over, most), least);
+            let size = l.abs(over);
             l.store(over, &mut self.inverse[axis]);
-            l.store(l.mul(l.add(start[axis], wider), minus), &mut self.ends[axis][0]);
-            l.store(l.mul(l.sub(start[axis], wider), minus), &mut self.ends[axis][1]);
+            let [first, last] = &mut self.ends[axis];
+            l.store(l.neg_mul_add(start[axis], over, l.mul(minus, size)), first);
+            l.store(l.neg_mul_add(start[axis], over, l.mul(margin, size)), last);
         }
     }
+
+    /// Step 2, for the rays that are `far`: moves their starts, and adds by which depth, and how
+    /// much further off that puts them. Returns those that are distant.
+    #[inline(always)]
+    fn move_nearer<L: Lanes>(
+        &self,
+        l: L,
+        far: u16,
+        (start, moved, blur): (&mut [Both<L>; 3], &mut Both<L>, &mut Both<L>),
+    ) -> u16 {
+        let mut distant = [0; 2];
+        for half in 0..2 {
+            let far = far.to_le_bytes()[half];
+            if far == 0 {
+                continue;
+            }
+            let [mut from, mut direction] = [vector(l, &self.direction, half); 2];
+            let longest = largest_of(l, &direction);
+            for axis in 0..3 {
+                from[axis] = start[axis][half];
+                direction[axis] = l.div64(direction[axis], longest);
+            }
+            // A little farther away than [`MeshTree::is_distant`] has it.
+            let farthest = l.splat64(1.000_001 * DISTANT);
+            distant[half] = !l.le64(largest_of(l, &from), farthest);
+            let to;
+            (to, moved[half], blur[half]) = nearer(l, far, &from, &direction);
+            for axis in 0..3 {
+                start[axis][half] = to[axis];
+            }
+        }
+        u16::from_le_bytes(distant)
+    }
+}
+
+/// Sixteen float64, rounded to float32.
+#[inline(always)]
+fn narrow<L: Lanes>(l: L, [first, second]: Both<L>) -> L::Floats {
+    l.narrow(first, second)
+}
+
+/// Step 4: vectors in two parts.
+#[inline(always)]
+fn split<L: Lanes>(l: L, whole: &[Both<L>; 3]) -> [[L::Floats; 3]; 2] {
+    let [mut high, mut low] = [[l.splat(0.0); 3]; 2];
+    for axis in 0..3 {
+        let [first, second] = whole[axis];
+        high[axis] = l.narrow(first, second);
+        let wide = l.widen(high[axis]);
+        low[axis] = l.narrow(l.sub64(first, wide[0]), l.sub64(second, wide[1]));
+    }
+    [high, low]
+}
+
+/// The largest size of a component.
+#[inline(always)]
+fn size<L: Lanes>(l: L, v: &[L::Floats; 3]) -> L::Floats {
+    l.max(l.max(l.abs(v[0]), l.abs(v[1])), l.abs(v[2]))
 }
 
 /// A mask of the lowest `count` lanes.
@@ -248,15 +299,14 @@ pub(in crate::accel) fn lowest(count: usize) -> u16 {
     u16::try_from((1_u32 << count.min(RAYS)) - 1).unwrap_or(u16::MAX)
 }
 
-/// Step 2, for the rays that are `far`: their starts, moved; by which depth; and the blur after
-/// that.
+/// Step 2, for the rays that are `far`: their starts, moved; by which depth; and what comes to the
+/// blur.
 #[inline(always)]
 fn nearer<L: Lanes>(
     l: L,
     far: u8,
     start: &[L::Doubles; 3],
     direction: &[L::Doubles; 3],
-    blur: L::Doubles,
 ) -> ([L::Doubles; 3], L::Doubles, L::Doubles) {
     let zero = l.splat64(0.0);
     let (mut dot, mut squares) = (zero, zero);
@@ -268,7 +318,7 @@ fn nearer<L: Lanes>(
     let moved = l.max64(l.sub64(nearest, l.splat64(2.0)), zero);
     let moved = l.select64(far, moved, zero);
     let way = l.add64(largest_of(l, start), moved);
-    let blur = l.select64(far, l.add64(blur, l.mul64(l.splat64(BLUR), way)), blur);
+    let blur = l.select64(far, l.mul64(l.splat64(BLUR), way), zero);
     let mut out = *start;
     for axis in 0..3 {
         let sum = l.add64(start[axis], l.mul64(moved, direction[axis]));
