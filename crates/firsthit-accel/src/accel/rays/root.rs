@@ -9,6 +9,7 @@
 use super::packet::{Packet, RAYS};
 use super::slabs::{Intervals, most};
 use crate::accel::mesh_tree::MeshTree;
+use crate::accel::node::Node;
 use crate::shape::Meshes;
 use crate::simd::{Lanes, set_bits};
 
@@ -21,34 +22,43 @@ impl Packet {
             return;
         };
         let zero = l.splat(0.0);
-        let [x, y, z] = &self.inverse;
-        let inverse = [l.load(x), l.load(y), l.load(z)];
-        let back = [l.lt(inverse[0], zero), l.lt(inverse[1], zero), l.lt(inverse[2], zero)];
-        let limits = l.load(&self.t_max_high);
-        macro_rules! end {
-            ($child:ident, $axis:literal, $side:literal) => {{
-                let low = l.splat(root.planes[2 * $axis][$child]);
-                let high = l.splat(root.planes[2 * $axis + 1][$child]);
-                let (plane, other) = if $side == 0 { (low, high) } else { (high, low) };
-                let plane = l.select(back[$axis], other, plane);
-                l.mul_add(plane, inverse[$axis], l.load(&self.ends[$axis][$side]))
-            }};
-        }
         let around = Intervals::around(l, self.alive, &self.inverse, &self.ends);
-        let latest = most(l, self.alive, &self.t_max_high);
-        let (candidates, _) = around.boxes(l, root, [0.0, latest]);
+        let (candidates, _) = around.boxes(l, root, [0.0, most(l, self.alive, &self.t_max_high)]);
+        let is_there = l.le(l.load(&root.planes[0]), l.load(&root.planes[1]));
+        let limits = l.load(&self.t_max_high);
         let (mut met, mut several, mut only) = (0, 0, zero);
-        for child in set_bits(candidates) {
-            let entry = l.max(end!(child, 0, 0), end!(child, 1, 0));
-            let exit = l.min(end!(child, 0, 1), end!(child, 1, 1));
-            let entry = l.max(entry, l.max(end!(child, 2, 0), zero));
-            let here = l.le(entry, l.min(exit, l.min(end!(child, 2, 1), limits)));
+        for child in set_bits(candidates & is_there) {
+            let here = self.meets(l, root, child, limits);
             several |= met & here;
             met |= here;
             only = l.select(here, l.splat(f32::from_bits(root.children[child])), only);
         }
         l.store(l.select(several, zero, only), bytemuck::cast_mut(&mut self.begin));
         self.alive &= met;
+    }
+
+    /// The rays that meet the box of a child of a node, which is there, at depths up to `limits`: to
+    /// the bit what the test of each ray alone says.
+    #[inline(always)]
+    pub(in crate::accel) fn meets<L: Lanes>(
+        &self,
+        l: L,
+        node: &Node,
+        child: usize,
+        limits: L::Floats,
+    ) -> u16 {
+        let (mut entry, mut exit) = (l.splat(0.0), limits);
+        for axis in 0..3 {
+            let low = l.splat(node.planes[2 * axis][child % RAYS]);
+            let high = l.splat(node.planes[2 * axis + 1][child % RAYS]);
+            let inverse = l.load(&self.inverse[axis]);
+            let [first, last] = &self.ends[axis];
+            let (first, last) = (l.load(first), l.load(last));
+            let near = l.min(l.mul_add(low, inverse, first), l.mul_add(high, inverse, first));
+            let far = l.max(l.mul_add(low, inverse, last), l.mul_add(high, inverse, last));
+            (entry, exit) = (l.max(entry, near), l.min(exit, far));
+        }
+        l.le(entry, exit)
     }
 
     /// Whether the first and the last ray are so far apart at the mesh that each ray meets leaves

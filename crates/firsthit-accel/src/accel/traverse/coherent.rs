@@ -2,8 +2,8 @@
 //!
 //! 1. Put planes around the rays of the packet ([`PacketFrustum`]); give up when they do not go the
 //!    same way at all.
-//! 2. At a node, test its sixteen boxes against the planes, and continue with the nearest one that
-//!    is left.
+//! 2. At a node, test its sixteen boxes against the planes, and those of leaves that are left
+//!    against the sixteen rays: no ray meets half of these. Continue with the nearest one.
 //! 3. At a leaf, test its sixteen triangles against the planes, then each one that is left against
 //!    the sixteen rays.
 //! 4. Give up when that comes to more work than the rays alone would be.
@@ -111,8 +111,15 @@ impl PacketFrustum {
         let mut entries = Aligned([0.0; LANES]);
         l.store(entry, &mut entries.0);
         let base = stack.len();
+        let limits = l.load(&packet.packet.t_max_high);
         for child in set_bits(met) {
             let next = node.children[child];
+            // A leaf costs ten times as much as this.
+            let is_idle =
+                next & LEAF != 0 && packet.packet.meets(l, node, child, limits) & self.rays == 0;
+            if is_idle {
+                continue;
+            }
             l.prefetch_either(next & LEAF != 0, next & !LEAF, &tree.nodes, &tree.leaves);
             let key = u64::from(entries.0[child].to_bits()) << 32 | u64::from(next);
             if Q::ORDERED {

@@ -65,7 +65,6 @@ use crate::accel::bounds::{
 };
 use crate::accel::node::Node;
 use crate::accel::rays::packet::RAYS;
-use crate::geometry::arrays;
 use crate::simd::{Aligned, Lanes};
 
 /// The space that the rays of a packet are in.
@@ -159,10 +158,12 @@ impl PacketFrustum {
         l.store(ax, &mut at_zero[0].0);
         l.store(ay, &mut at_zero[1].0);
         let last = rays.ilog2() as usize % RAYS;
-        let normal = normal(
-            arrays::from_fn(|k| at_zero[k].0[last] - at_zero[k].0[first]),
-            arrays::from_fn(|k| packet.slope[k][last] - packet.slope[k][first]),
-        );
+        let (mut apart, mut turned) = ([0.0; 2], [0.0; 2]);
+        for k in 0..2 {
+            apart[k] = at_zero[k].0[last] - at_zero[k].0[first];
+            turned[k] = packet.slope[k][last] - packet.slope[k][first];
+        }
+        let normal = normal(apart, turned);
         macro_rules! along_normal {
             ($x:expr, $y:expr) => {
                 l.mul_add($y, l.splat(normal[1]), l.mul($x, l.splat(normal[0])))
@@ -171,7 +172,6 @@ impl PacketFrustum {
         let between = ends!(along_normal!(ax, ay));
         let [low, high] = ends!(along_normal!(sx, sy));
         let tilt = 0.5 * (low + high);
-        let wider = |[low, high]: [f32; 2], by: f32| [low - by, high + by];
         let mut out = Self {
             rays,
             axes,
@@ -260,6 +260,12 @@ impl PacketFrustum {
         met &= l.le(l.splat(low), most) & l.le(least, l.splat(high));
         (met, l.max(near, l.splat(0.0)))
     }
+}
+
+/// An interval that is wider at both ends.
+#[inline(always)]
+fn wider([low, high]: [f32; 2], by: f32) -> [f32; 2] {
+    [low - by, high + by]
 }
 
 /// The normal across the depth of the plane that the rays are in, from the difference in start and

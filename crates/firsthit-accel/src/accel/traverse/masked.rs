@@ -125,14 +125,12 @@ fn parts(key: u64) -> (u16, u32) {
 struct SegmentBounds {
     low: [f32; 3],
     high: [f32; 3],
-    /// The rays that go backwards along an axis.
-    back: [u16; 3],
 }
 
 impl SegmentBounds {
     #[inline(always)]
     fn new<L: Lanes>(l: L, packet: &Packet, rays: u16) -> Self {
-        let mut out = Self { low: [0.0; 3], high: [0.0; 3], back: [0; 3] };
+        let mut out = Self { low: [0.0; 3], high: [0.0; 3] };
         let (zero, one, half) = (l.splat(0.0), l.splat(1.0), l.splat(0.5));
         let limit = l.max(l.min(l.load(&packet.t_max_high), l.splat(FARTHEST)), zero);
         for axis in 0..3 {
@@ -152,7 +150,6 @@ impl SegmentBounds {
             let high = l.add(l.max(start, end), margin);
             out.low[axis] = l.smallest(l.select(rays, low, l.splat(f32::INFINITY)));
             out.high[axis] = l.largest(l.select(rays, high, l.splat(f32::NEG_INFINITY)));
-            out.back[axis] = l.lt(inverse, zero);
         }
         out
     }
@@ -183,29 +180,9 @@ impl SegmentBounds {
             met &= l.le(l.load(low), l.splat(self.high[axis]));
             met &= l.le(l.splat(self.low[axis]), l.load(high));
         }
-        macro_rules! end {
-            ($child:ident, $axis:literal, $side:literal) => {{
-                let low = l.splat(node.planes[2 * $axis][$child]);
-                let high = l.splat(node.planes[2 * $axis + 1][$child]);
-                let plane = if $side == 0 {
-                    l.select(self.back[$axis], high, low)
-                } else {
-                    l.select(self.back[$axis], low, high)
-                };
-                let inverse = l.load(&packet.inverse[$axis]);
-                l.mul_add(plane, inverse, l.load(&packet.ends[$axis][$side]))
-            }};
-        }
+        let limits = l.load(&packet.t_max_high);
         for child in set_bits(met) {
-            let entry = l.max(
-                l.max(end!(child, 0, 0), end!(child, 1, 0)),
-                l.max(end!(child, 2, 0), l.splat(0.0)),
-            );
-            let exit = l.min(
-                l.min(end!(child, 0, 1), end!(child, 1, 1)),
-                l.min(end!(child, 2, 1), l.load(&packet.t_max_high)),
-            );
-            let rays = here & l.le(entry, exit);
+            let rays = here & packet.meets(l, node, child, limits);
             stack.push_if(rays != 0, key(rays, node.children[child]));
         }
     }
