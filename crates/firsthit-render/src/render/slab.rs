@@ -83,6 +83,7 @@ impl<'a> Slab<'a> {
             let shader = Shader::AmbientOcclusion(AmbientOcclusion { reach });
             let shading = Shading {
                 background: Background::Uniform(Color::ONE),
+                sees_environment: false,
                 engine: picture.engine,
                 ..shader.on(picture.scene)
             };

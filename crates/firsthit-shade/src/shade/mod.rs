@@ -351,6 +351,7 @@ impl Shader {
             shader: self,
             upwards: scene.up(),
             background: Background::NEUTRAL,
+            sees_environment: true,
             ground: None,
             engine: Cpu::shared(),
         }

@@ -3,7 +3,7 @@
 use super::{Ground, Points, Recipe, Samples, Shade, Shader, blend};
 use crate::geometry::{Color, DVec3, Digest, Hit, Ray};
 use crate::sampling::Draws;
-use crate::scene::{Background, Scene, compute_geometry};
+use crate::scene::{Background, Environment, Scene, compute_geometry};
 use crate::shoot::Engine;
 
 /// A [`Shader`] at work: with the scene that it looks at, and what misses see.
@@ -28,6 +28,9 @@ pub struct Shading<'a> {
     pub upwards: DVec3,
     /// The background of misses, unless that is the scene's environment.
     pub background: Background,
+    /// Whether misses see the scene's environment where cameras see it; they see the background
+    /// otherwise.
+    pub sees_environment: bool,
     /// The ground that shadows fall on.
     pub ground: Option<Ground>,
     /// The engine for the shader's own rays, such as those towards lights.
@@ -37,10 +40,16 @@ pub struct Shading<'a> {
 impl Shading<'_> {
     /// The colour of a miss.
     pub(super) fn seen_behind(&self, direction: DVec3) -> Color {
-        match self.scene.environment().filter(|environment| environment.is_seen) {
+        match self.environment_behind() {
             Some(environment) => environment.radiance(direction),
             None => self.background.color(direction),
         }
+    }
+
+    /// The environment, where misses see it.
+    fn environment_behind(&self) -> Option<&Environment> {
+        (self.scene.environment())
+            .filter(|environment| self.sees_environment && environment.is_seen)
     }
 
     /// Colours of rays by what they met, as if that were opaque, and of misses.
@@ -82,8 +91,7 @@ impl Shading<'_> {
 
 impl Shade for Shading<'_> {
     fn is_transparent(&self) -> bool {
-        let is_seen = self.scene.environment().is_some_and(|environment| environment.is_seen);
-        self.background == Background::Transparent && !is_seen
+        self.background == Background::Transparent && self.environment_behind().is_none()
     }
 
     fn is_random(&self) -> bool {
@@ -105,11 +113,10 @@ impl Shade for Shading<'_> {
         self.background.digest(&mut digest);
         digest.vector(self.upwards);
         digest.vector(self.scene.up());
-        let environment = self.scene.environment();
-        digest.word(match environment.map(|environment| environment.is_seen) {
-            None => "no environment",
-            Some(true) => "seen",
-            Some(false) => "unseen",
+        digest.word(match (self.scene.environment(), self.environment_behind()) {
+            (None, _) => "no environment",
+            (_, Some(_)) => "seen",
+            (_, None) => "unseen",
         });
         if let Some(Ground { point, up }) = self.ground {
             digest.word("ground");

@@ -6,13 +6,16 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use firsthit::channel::kind;
 use firsthit::geometry::rotation;
+use firsthit::image::Data;
 use firsthit::load::{LoadSettings, load, load_bytes, load_environment};
 use firsthit::scene::{Daylight, Environment, EnvironmentKind, EnvironmentMap};
 use firsthit::shade::{Direct, Samples};
 use firsthit::world::World;
 use firsthit::{
-    Camera, Color, DMat3, DVec3, Object, Plane, Ray, Scene, Shade, Shader, Sphere, View, fhs, shoot,
+    Camera, Color, DMat3, DVec3, Object, Plane, Ray, Scene, Shade, Shader, Sphere, View, fhs,
+    render, shoot,
 };
 
 fn direct() -> Shader {
@@ -48,6 +51,22 @@ fn sunny() -> EnvironmentMap {
     };
     let texels = (0..columns * rows).map(texel).collect::<Vec<_>>();
     EnvironmentMap::new(columns, rows, texels).unwrap()
+}
+
+#[test]
+fn ambient_occlusion_in_the_open_is_one_under_any_environment() {
+    let ball = Object::new(Sphere::new(DVec3::ZERO, 1.0).unwrap());
+    let color = Color::new(3.0, 0.1, 0.6);
+    let scene = lit(vec![ball], Environment::new(EnvironmentKind::Uniform(color)));
+    let eye = DVec3::new(0.0, -5.0, 2.0);
+    let camera = Camera::look_at(eye, DVec3::ZERO, DVec3::Z, 45.0, 24, 32).unwrap();
+    let kinds = [kind("ao").unwrap()];
+    for samples in [1, 16] {
+        let frame = render(&scene, &camera, &direct().on(&scene), &kinds, samples, &()).unwrap();
+        // A ball hides no sky from itself.
+        let data = &frame.channel("ao").unwrap().data;
+        assert!(*data == Data::Float32(vec![1.0; 24 * 32]), "{samples}");
+    }
 }
 
 fn shared(name: &str) -> PathBuf {
