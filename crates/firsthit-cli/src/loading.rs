@@ -95,12 +95,14 @@ pub(crate) fn read_with(
         _ => object,
     });
     let objects = objects.collect();
+    let scene = match built {
+        // Trees that the file does not hold are built.
+        Some(built) => built.with_build(build).with_objects_watched(objects, progress)?,
+        None => Scene::build_watched(objects, build, progress)?,
+    };
     Ok(Loaded {
-        scene: match built {
-            // Trees that the file does not hold are built.
-            Some(built) => built.with_build(build).with_objects_watched(objects, progress)?,
-            None => Scene::build_watched(objects, build, progress)?,
-        },
+        // The fingerprint is that of the file, with its light.
+        scene: scene.with_lights(model.lights.clone()).with_environment(model.environment.clone()),
         warnings,
         model,
         variants,

@@ -91,6 +91,23 @@ fn info_reads_the_camera_and_the_channels_back_from_every_format() {
 }
 
 #[test]
+fn a_lit_scene_has_one_fingerprint_in_pictures_scans_and_rays() {
+    let lab = Lab::new();
+    lab.write(
+        "lit.toml",
+        "[[objects]]\nshape = \"sphere\"\ncenter = [5, 0, 0]\nradius = 1\n\n[[lights]]\nkind = \"directional\"\ndirection = [0, 0, -1]\n\n[environment]\ncolor = [0.4, 0.1, 0.6]\n",
+    );
+    lab.write("rays.csv", "0,0,0,1,0,0\n");
+    lab.ok("render lit.toml --size 4x3 -o render.npz");
+    lab.ok("scan lit.toml --lidar vlp-16 --position 0,0,0 -o scan.npz");
+    lab.ok("shoot lit.toml rays.csv -o shoot.npz");
+    let scene = |file| info(&lab, file)["metadata"]["scene"].clone();
+    for file in ["scan.npz", "shoot.npz"] {
+        assert_eq!(scene(file), scene("render.npz"), "{file}");
+    }
+}
+
+#[test]
 fn a_batch_of_rays_says_that_no_camera_made_it() {
     let lab = Lab::with_square();
     lab.write("rays.csv", "0,0,5,0,0,-2\n");
