@@ -350,6 +350,7 @@ def test_beams_come_from_a_csv(tmp_path):
         ({"returns": "second"}, "returns must be one of"),
         ({"divergence": 4}, "divergence must be from 0"),
         ({"divergence": 0.1, "subrays": 0}, "subrays must be from 1 to 65536"),
+        ({"subrays": 4}, "subrays must be left out unless there is a divergence, got 4"),
         ({"returns": "all", "max_returns": 0}, "max_returns must be 1 or more, got 0"),
         (
             {"returns": "all", "max_returns": 2**70},

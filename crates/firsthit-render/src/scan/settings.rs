@@ -97,8 +97,9 @@ impl ScanSettings {
     ///
     /// # Errors
     ///
-    /// [`Error::Argument`] for numbers out of range, for noise or dropout without a seed, and for a
-    /// number of returns of a beam that does not have all.
+    /// [`Error::Argument`] for numbers out of range, for noise or dropout without a seed, for a
+    /// number of returns of a beam that does not have all, and for one of the lines of a cone that
+    /// does not diverge.
     pub fn check(&self) -> Result<()> {
         let within = |name, value: f64, below: f64, expected: &'static str| {
             require(name, expected, (0.0..below).contains(&value), value)
@@ -126,6 +127,8 @@ impl ScanSettings {
         require("seed", expected, !is_random || self.seed.is_some(), "none")?;
         let is_few = (1..=MOST_SUBRAYS).contains(&self.subrays);
         require("subrays", "from 1 to 65536", is_few, self.subrays)?;
+        let is_idle = self.divergence.is_none() && self.subrays != Self::default().subrays;
+        require("subrays", "left out unless there is a divergence", !is_idle, self.subrays)?;
         let Some(most) = self.max_returns else {
             return Ok(());
         };
