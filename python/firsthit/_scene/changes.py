@@ -91,11 +91,11 @@ class Changes(Traceable):
         Later calls give the results of a scene that is built anew. The move itself takes
         microseconds. The next call that needs the trees copies the list of objects, once for all
         moves since the last one, and refits the boxes above the moved objects: among a thousand
-        objects some 100 microseconds, whatever the size of their meshes. If many have moved, and
-        now and then, it builds the tree over the objects anew. Meshes in one space share a tree:
-        one that is moved for the first time gets its own, in the time of a build. Calls that are
-        running see the scene as it was. `Scene.bounds`, and with it `Camera.framing`, then visits
-        the vertices of turned meshes once.
+        objects some 100 microseconds, whatever the size of their meshes. Now and then, when
+        refitted boxes overlap too much, it builds the tree over the objects anew. Meshes in one
+        space share a tree: one that is moved for the first time gets its own, in the time of a
+        build. Calls that are running see the scene as it was. `Scene.bounds`, and with it
+        `Camera.framing`, then visits the vertices of turned meshes once.
 
         Parameters
         ----------

@@ -1,4 +1,5 @@
-//! Boxes around a transformed mesh, found by its tree in place of all its triangles.
+//! What is where, found by a tree in place of visits to all that it holds: the boxes that end
+//! beyond a place, those around a transformed mesh, and the triangles in some boxes.
 
 use std::sync::Arc;
 
@@ -14,8 +15,8 @@ const ROUNDED: f64 = 1.0 / (1_u64 << 22) as f64;
 
 impl Bvh {
     /// Calls `visit` with the boxes that may end beyond what was found, the farthest of each node
-    /// first: upwards along an axis, with `side` 0 downwards. It returns where what was found ends
-    /// then.
+    /// first: upwards along an axis, with `side` 0 downwards. `visit` returns where what was found
+    /// ends then.
     #[doc(hidden)]
     pub fn each_beyond(
         &self,

@@ -83,7 +83,8 @@ impl Scene {
 
     /// Hides objects from all rays and other queries, or shows them: `true` beside an object hides
     /// it. They keep their identifiers. The tree over the objects is fitted to few of them, and
-    /// built anew for many; so are the trees of meshes that are shown again and had shared one. `lint` looks at hidden objects too.
+    /// built anew for many. Meshes that are shown again and had shared a tree get their own, built
+    /// anew too. `lint` looks at hidden objects too.
     ///
     /// # Errors
     ///

@@ -16,8 +16,8 @@ impl Scene {
         *parallel::once(&self.derived.places.bounds, || self.smallest_bounds())
     }
 
-    /// Around each end the objects are asked for their smallest boxes whose wide boxes go beyond
-    /// what was found, the farthest first.
+    /// Finds the smallest box around all objects. For each end it asks those objects for their
+    /// smallest boxes whose wide boxes go beyond what was found, the farthest first.
     fn smallest_bounds(&self) -> Bounds {
         let mut found = Bounds::EMPTY;
         for end in 0..6 {

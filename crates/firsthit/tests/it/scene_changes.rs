@@ -167,7 +167,7 @@ fn objects_that_come_and_go_are_met_as_in_a_scene_built_anew() {
     }
 }
 
-/// The judge of the bounds are all corners, that of rays and nearest points a scene built anew.
+/// All corners judge the bounds, and a scene built anew judges rays and nearest points.
 fn assert_answers_as_anew(changed: &Scene, objects: &[Object], rays: &[Ray], step: usize) {
     let anew = scene(objects.to_vec());
     let there = objects.iter().filter(|object| !object.is_hidden()).map(Object::bounds);

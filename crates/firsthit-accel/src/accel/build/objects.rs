@@ -1,4 +1,4 @@
-//! Makes the top-level tree over boxes, and fits it to boxes that move.
+//! Makes the top-level tree over boxes, and fits it to boxes that move, come and go.
 
 use super::binary::{Binary, Primitives, binary};
 use super::binned_sah::{Block, Box32, Item};

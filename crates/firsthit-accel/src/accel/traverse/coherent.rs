@@ -3,7 +3,7 @@
 //! 1. Put planes around the rays of the packet ([`PacketFrustum`]); give up when they do not go the
 //!    same way at all.
 //! 2. At a node, test its sixteen boxes against the planes, and those of leaves that are left
-//!    against the sixteen rays: no ray meets half of these. Continue with the nearest one.
+//!    against the sixteen rays: in rooms no ray meets half of these. Continue with the nearest one.
 //! 3. At a leaf, test its sixteen triangles against the planes, then each one that is left against
 //!    the sixteen rays.
 //! 4. Give up when that comes to more work than the rays alone would be.
