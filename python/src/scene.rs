@@ -162,9 +162,15 @@ impl Scene {
             if has_new_objects {
                 let mut objects = scene.objects().to_vec();
                 for (identifier, object) in replaced {
+                    let count = objects.len();
                     match objects.get_mut(identifier) {
                         Some(place) => *place = object,
-                        None => objects.push(object),
+                        None if identifier == count => objects.push(object),
+                        None => {
+                            let expected = "one of the scene's, or the next";
+                            let got = format!("{identifier}; there are {count}");
+                            return Err(firsthit::Error::argument("object", expected, got));
+                        }
                     }
                 }
                 scene = scene.with_objects_watched(objects, watch)?;
