@@ -23,10 +23,10 @@ const MOST_SHAPES: u32 = 16;
 const MOST_OTHERS: u32 = 8;
 
 /// The growth of the expected number of boxes that a ray meets at which a refitted tree is built
-/// anew. It is compared after moves of one object in 32, since that takes as long as refitting that
-/// many.
+/// anew. It is compared after changes of one object in 32, since that takes as long as refitting
+/// that many.
 const WORN: f64 = 1.25;
-const MOVES_EACH: usize = 32;
+const CHANGES_EACH: usize = 32;
 
 /// Beyond this share of the coordinates, the rounding of one object's transform (it all but
 /// flattens space) would widen the boxes of all objects. Then this object goes without a box.
@@ -51,8 +51,8 @@ pub(super) struct TopTree {
     count: usize,
     /// The number of boxes a ray was expected to meet when the tree was built.
     expected_visits: f64,
-    /// The number of moves since the expected visits were last compared.
-    moves: usize,
+    /// The number of changes since the expected visits were last compared.
+    changes: usize,
 }
 
 /// An object, and the box that a ray must meet to be a candidate for it.
@@ -114,13 +114,13 @@ impl TopTree {
         for (leader, together) in boxes_together(trees, &boxes) {
             boxes[leader as usize] = together;
         }
-        let in_tree = |k: u32| !is_loose(objects, k as usize, &boxes[k as usize]);
+        let could_be_in_tree = |k: u32| !is_loose(objects, k as usize, &boxes[k as usize]);
         let is_out = |k: u32| {
             let group = trees[k as usize].group();
             let follows = group.is_some_and(|group| group.leader() != k);
             follows || duplicates.contains(k) || objects[k as usize].is_hidden()
         };
-        let loose = (0..count).filter(|&k| !in_tree(k) && !is_out(k));
+        let loose = (0..count).filter(|&k| !could_be_in_tree(k) && !is_out(k));
         let candidate = |k: u32| Candidate::new(objects, &duplicates, k, boxes[k as usize]);
         let outside = loose.map(candidate).collect();
         let mut listed = Vec::new();
@@ -129,7 +129,7 @@ impl TopTree {
             listed.sort_by_key(|candidate: &Candidate| !candidate.is_lone_shape);
         }
         let slack = (0..count)
-            .filter(|&k| in_tree(k))
+            .filter(|&k| could_be_in_tree(k))
             .map(|k| objects[k as usize].slack())
             .fold(Bvh::OBJECTS, f64::max);
         for (k, (object, bounds)) in (0..).zip(objects.iter().zip(&mut boxes)) {
@@ -149,7 +149,7 @@ impl TopTree {
             listed,
             duplicates,
             count: objects.len(),
-            moves: 0,
+            changes: 0,
         }
     }
 
@@ -159,7 +159,7 @@ impl TopTree {
     pub(super) fn changed(&mut self, objects: &[Object], trees: &[ObjectTree], changed: &[u32]) {
         self.count = objects.len();
         let is_fitted = changed.iter().all(|&index| self.fit(objects, trees, index));
-        self.moves += changed.len();
+        self.changes += changed.len();
         if !is_fitted || self.is_worn() {
             *self = Self::new(objects, trees);
         }
@@ -167,10 +167,10 @@ impl TopTree {
 
     /// Whether fitting has made the tree much worse than it was built.
     fn is_worn(&mut self) -> bool {
-        if self.moves * MOVES_EACH < self.count {
+        if self.changes * CHANGES_EACH < self.count {
             return false;
         }
-        self.moves = 0;
+        self.changes = 0;
         self.tree.expected_visits() > WORN * self.expected_visits
     }
 
