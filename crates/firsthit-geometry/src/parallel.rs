@@ -98,6 +98,12 @@ pub fn gather<P: Send, T: Send>(
     all
 }
 
+/// The values of `of` from 0 to `count - 1`, in parts of `size`.
+pub fn gather_each<T: Send>(count: usize, size: usize, of: impl Fn(usize) -> T + Sync) -> Vec<T> {
+    let parts = (0..count).step_by(size).map(|first| first..count.min(first + size));
+    gather(parts, |part| part.map(&of).collect())
+}
+
 /// Tells whether `is_so` holds for every part. All are asked.
 pub fn all<P: Send>(parts: impl IntoIterator<Item = P>, is_so: impl Fn(P) -> bool + Sync) -> bool {
     map(parts, is_so).into_iter().all(|is_so| is_so)

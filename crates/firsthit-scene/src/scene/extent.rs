@@ -122,11 +122,8 @@ pub(super) fn box_around(object: &Object, tree: Option<&Arc<MeshTree>>) -> Bound
 
 /// A box around each object. Few objects are the calling thread's alone, and need no pool.
 pub(super) fn boxes(objects: &[Object], trees: &[ObjectTree]) -> Vec<Bounds> {
-    let parts = objects.chunks(parallel::MANY).zip(trees.chunks(parallel::MANY));
-    parallel::gather(parts, |(objects, trees)| {
-        let around = |(object, tree): (&Object, &ObjectTree)| box_around(object, tree.own());
-        objects.iter().zip(trees).map(around).collect()
-    })
+    let around = |index: usize| box_around(&objects[index], trees[index].own());
+    parallel::gather_each(objects.len(), parallel::MANY, around)
 }
 
 /// Something of each object, by its number. Few objects may take long each, and of many each takes
@@ -137,10 +134,7 @@ pub(super) fn in_parts<T: Send>(
 ) -> Vec<T> {
     const MOST_PARTS: usize = 1024;
     let size = objects.len().div_ceil(MOST_PARTS).max(1);
-    parallel::gather(objects.chunks(size).enumerate(), |(part, objects)| {
-        let numbered = (part * size..).zip(objects);
-        numbered.map(|(index, object)| of(index, object)).collect()
-    })
+    parallel::gather_each(objects.len(), size, |index| of(index, &objects[index]))
 }
 
 /// See [`Scene::support`]. Objects are visited in the order of the bounds that their boxes give,

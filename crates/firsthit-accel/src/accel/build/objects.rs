@@ -196,11 +196,9 @@ impl Bvh {
 }
 
 /// The boxes `bounds(0)` to `bounds(count - 1)`.
+#[expect(clippy::cast_possible_truncation, reason = "below `count`")]
 fn gathered(count: u32, bounds: impl Fn(u32) -> Bounds + Sync) -> Vec<Bounds> {
-    let indices: Vec<u32> = (0..count).collect();
-    parallel::gather(indices.chunks(CHUNK), |indices| {
-        indices.iter().copied().map(&bounds).collect()
-    })
+    parallel::gather_each(count as usize, CHUNK, |index| bounds(index as u32))
 }
 
 /// The place of a box that is not in the tree.
