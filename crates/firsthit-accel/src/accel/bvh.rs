@@ -48,7 +48,7 @@ pub struct Bvh {
     pub(super) slack: f64,
     /// The root first. With [`LEAF`] a child is the index of a box.
     pub(super) nodes: Vec<Node>,
-    /// The place of each box; made when one is first [moved](Self::refit).
+    /// The place of each box; made when one first [changes](Self::refit).
     pub(super) places: Option<Places>,
 }
 
@@ -64,17 +64,20 @@ pub(super) struct BoxSpace {
 /// Places in a tree: sixteen times the index of a node, and the place among its children.
 #[derive(Debug, Clone)]
 pub(super) struct Places {
-    /// The place of each box; one that no box has for a box that is not in the tree.
+    /// The place of each box; [`NOWHERE`] for one that is not in the tree.
     pub(super) boxes: Vec<u32>,
     /// The place of each node in its parent.
     pub(super) nodes: Vec<u32>,
 }
 
+/// The place of a box that is not in the tree.
+pub(super) const NOWHERE: u32 = u32::MAX;
+
 /// The widening of boxes, and of rays, as a share of their coordinates.
 pub(super) const BOX_ROUNDING: f64 = 6.0 * U as f64;
 
 /// Boxes may move as far as this from the origin, in units of the tree, before it is built anew.
-pub(super) const FARTHEST: f64 = 65_536.0;
+pub(super) const FARTHEST_BOX: f64 = 65_536.0;
 
 impl Bvh {
     /// The least `slack` for objects. Transforms can need more.
@@ -154,7 +157,7 @@ impl Bvh {
         let origin_to_nearest = -start.dot(direction) / direction.length_squared();
         let nearest = start + origin_to_nearest * direction;
         let margin = self.margin(ray.origin) * self.space.scale;
-        if margin > FARTHEST {
+        if margin > FARTHEST_BOX {
             return (everywhere(direction), !self.nodes.is_empty());
         }
         let reach = self.extent * self.space.scale + margin;

@@ -7,7 +7,7 @@
 //!    out its index with the rays that meet it. The caller may shorten the rays before it asks for
 //!    the next.
 
-use super::bvh::{BALL, BOX_ROUNDING, Bvh, FARTHEST, WalkStack, push_nearest_last};
+use super::bvh::{BALL, BOX_ROUNDING, Bvh, FARTHEST_BOX, WalkStack, push_nearest_last};
 use super::node::{LEAF, Node};
 use super::rays::packet::{RAYS, WorldRays, largest_of, of, of_mut, vector};
 use super::rays::prepare::lowest;
@@ -117,7 +117,7 @@ impl PacketWalk<'_> {
         let depth_of_origin = l.div64(dot, squares);
         let reach = l.add64(largest_of(l, &moved), number(self.bvh.extent));
         let margin = l.mul64(reach, number(self.bvh.slack * space.scale));
-        if l.lt64(number(FARTHEST), margin) != 0 {
+        if l.lt64(number(FARTHEST_BOX), margin) != 0 {
             return None;
         }
         let (mut nearest, mut squares) = ([zero; 3], zero);

@@ -5,7 +5,7 @@ use super::binned_sah::{Block, Box32, Item};
 use super::collapse::{Wide, collapse};
 use super::mesh::Building;
 use super::refit::{boxes, expected_visits};
-use crate::accel::bvh::{BoxSpace, Bvh, FARTHEST, Places};
+use crate::accel::bvh::{BoxSpace, Bvh, FARTHEST_BOX, NOWHERE, Places};
 use crate::accel::node::{LEAF, Node, WIDTH};
 use crate::accel::space::CHUNK;
 use crate::error::Result;
@@ -106,7 +106,7 @@ impl Bvh {
         let origin = self.space.origin;
         let reach = (bounds.high - origin).max(origin - bounds.low);
         let extent = self.extent.max(reach.max_element());
-        if extent * self.space.scale > FARTHEST {
+        if extent * self.space.scale > FARTHEST_BOX {
             return false;
         }
         self.extent = extent;
@@ -200,9 +200,6 @@ impl Bvh {
 fn gathered(count: u32, bounds: impl Fn(u32) -> Bounds + Sync) -> Vec<Bounds> {
     parallel::gather_each(count as usize, CHUNK, |index| bounds(index as u32))
 }
-
-/// The place of a box that is not in the tree.
-const NOWHERE: u32 = u32::MAX;
 
 impl Places {
     /// Gives a box a place that may have been another's.
@@ -467,7 +464,7 @@ mod tests {
                 let bounds = Bounds::of([low, low + 0.01 * f64::from(k % 3)]);
                 for origin in [DVec3::ZERO, DVec3::splat(0.1), -low, DVec3::splat(-1e20)] {
                     let reach = (low - origin).abs().max_element() + 0.02;
-                    for extent in [reach, 0.5 * reach / FARTHEST] {
+                    for extent in [reach, 0.5 * reach / FARTHEST_BOX] {
                         let space = BoxSpace::new(origin, extent);
                         let [a, b] = space.outwards(bounds).map(|end| end.map(f64::from));
                         // The difference is rounded here too.

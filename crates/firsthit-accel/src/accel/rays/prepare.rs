@@ -36,8 +36,8 @@ use crate::accel::bounds::{BLUR, BOX, DISTANT, FAR};
 use crate::simd::{Lanes, WIDE};
 
 /// `FAR` in float32.
-const FARTHEST: f32 = 8.0;
-const _: () = assert!(FARTHEST as f64 == FAR);
+const NARROW_FAR: f32 = 8.0;
+const _: () = assert!(NARROW_FAR as f64 == FAR);
 
 /// The rays whose direction is longest along x, and along y; of all others it is along z.
 #[derive(Clone, Copy)]
@@ -143,7 +143,8 @@ impl Packet {
         let mut blur = narrow(l, blur);
         let [mut high, mut low] = split(l, &start);
         let mut largest = size(l, &high);
-        let farthest = l.splat(FARTHEST);
+        // Step 4.
+        let farthest = l.splat(NARROW_FAR);
         let far = lowest(count) & !l.le(largest, farthest);
         let mut moved = [number(0.0); 2];
         self.distant = 0;

@@ -26,8 +26,8 @@ const TRIAL: u32 = 32;
 /// The least mean number of rays for each node or leaf with which the packet continues.
 const COMMON: u32 = 3;
 /// A depth at which a ray has left the tree, which is in the cube from -1 to 1.
-const FARTHEST: f32 = 10.0;
-const _: () = assert!(FAR + 2.0 <= FARTHEST as f64);
+const OUTSIDE: f32 = 10.0;
+const _: () = assert!(FAR + 2.0 <= OUTSIDE as f64);
 
 /// Answers the open rays of a packet, but for those whose start float32 does not resolve. Returns
 /// `false` when it gave up; any ray may then be open still.
@@ -132,7 +132,7 @@ impl SegmentBounds {
     fn new<L: Lanes>(l: L, packet: &Packet, rays: u16) -> Self {
         let mut out = Self { low: [0.0; 3], high: [0.0; 3] };
         let (zero, one, half) = (l.splat(0.0), l.splat(1.0), l.splat(0.5));
-        let limit = l.max(l.min(l.load(&packet.t_max_high), l.splat(FARTHEST)), zero);
+        let limit = l.max(l.min(l.load(&packet.t_max_high), l.splat(OUTSIDE)), zero);
         for axis in 0..3 {
             let inverse = l.load(&packet.inverse[axis]);
             let [first, last] = &packet.ends[axis];
@@ -142,9 +142,9 @@ impl SegmentBounds {
             // by the margin.
             let start = l.mul(l.mul(l.add(first, last), half), l.sub(zero, direction));
             let margin = l.mul(l.sub(last, first), direction);
-            // Rounding in units of `U FARTHEST`: the start 5, the slope at the end 2, product and
+            // Rounding in units of `U OUTSIDE`: the start 5, the slope at the end 2, product and
             // sum 3, the last difference 2. `SEGMENT` allows 16.
-            let margin = l.mul_add(l.abs(margin), half, l.splat(SEGMENT * FARTHEST));
+            let margin = l.mul_add(l.abs(margin), half, l.splat(SEGMENT * OUTSIDE));
             let end = l.mul_add(direction, limit, start);
             let low = l.sub(l.min(start, end), margin);
             let high = l.add(l.max(start, end), margin);
