@@ -14,6 +14,8 @@ use super::{DVec3, PixelGrid, RayFilter};
 /// let ray = Ray::new(DVec3::new(1.0, 0.0, 0.0), DVec3::new(0.0, 2.0, 0.0)).up_to(10.0);
 /// assert_eq!(ray.at(3.0), DVec3::new(1.0, 6.0, 0.0));
 /// ```
+// Kernels load a ray as eight numbers. So it is `Pod`, which is no promise to users, and the order
+// of its fields is that of these numbers: `accel/rays/packet.rs` asserts it.
 #[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
 #[repr(C)]
 pub struct Ray {

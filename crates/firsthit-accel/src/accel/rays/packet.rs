@@ -4,6 +4,7 @@
 //! and `limits.rs` says where they begin and end. [`TreeRay`] is one of them, with the meaning of
 //! its numbers.
 
+use std::mem::offset_of;
 use std::ops::Index;
 
 use super::slabs::Slabs;
@@ -106,6 +107,15 @@ impl Index<usize> for Filters {
         &self.0[lane]
     }
 }
+
+// `Packet::put_rays` takes a ray for its numbers, in this order.
+const _: () = assert!(
+    offset_of!(Ray, origin) == 0
+        && offset_of!(Ray, direction) == 3 * size_of::<f64>()
+        && offset_of!(Ray, t_min) == 6 * size_of::<f64>()
+        && offset_of!(Ray, t_max) == 7 * size_of::<f64>()
+        && size_of::<Ray>() == WIDE * size_of::<f64>()
+);
 
 impl Packet {
     /// Says what the ray in a lane does not meet.
