@@ -49,7 +49,7 @@ pub use {
     node::Node,
     packet_walk::PacketWalk,
     rays::enter::product_along,
-    rays::packet::{Packet, RAYS, WorldRays},
+    rays::packet::{Packet, RAYS, WorldRays, lowest},
     rays::trees::{TreePerRay, Trees},
     stored::{TreeFacts, TreeParts},
     tile::frustum::{TileCamera, TileFrustum},

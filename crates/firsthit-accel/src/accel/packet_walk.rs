@@ -9,8 +9,7 @@
 
 use super::bvh::{BALL, BOX_ROUNDING, Bvh, FARTHEST_BOX, WalkStack, push_nearest_last};
 use super::node::{LEAF, Node};
-use super::rays::packet::{RAYS, WorldRays, largest_of, of, of_mut, vector};
-use super::rays::prepare::lowest;
+use super::rays::packet::{RAYS, WorldRays, largest_of, lowest, of, of_mut, vector};
 use super::rays::slabs::{Intervals, least, slab};
 use super::traverse::mesh_packet::FEWEST;
 use crate::simd::{Aligned, InLanes, Kernel, LANES, Lanes, WIDE};

@@ -15,7 +15,7 @@ use super::single::SingleRay;
 use super::start::met_at_start;
 use crate::accel::{
     self, InstructionSet, MeshPacket, MeshQuery, MeshTree, Packet, RAYS, Scratch, Traversal,
-    TraversalMemory, WalkStack, Walks,
+    TraversalMemory, WalkStack, Walks, lowest,
 };
 use crate::error::Result;
 use crate::geometry::{DVec3, Ray, Rays, SurfaceId};
@@ -226,7 +226,7 @@ impl<S: Sink> Batch<'_, S> {
             }
             let plain = plain & !packet.distant;
             packet.alive &= plain & !unseen;
-            let all = u16::MAX >> (RAYS - length);
+            let all = lowest(length);
             for lane in set_bits(all & !plain) {
                 alone.push(first + lane);
             }

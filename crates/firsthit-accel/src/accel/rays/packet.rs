@@ -17,6 +17,13 @@ use crate::simd::{LANES, Lanes, WIDE};
 #[doc(hidden)]
 pub const RAYS: usize = LANES;
 
+/// A mask of the lowest `count` lanes.
+#[doc(hidden)]
+#[inline(always)]
+pub fn lowest(count: usize) -> u16 {
+    u16::try_from((1_u32 << count.min(RAYS)) - 1).unwrap_or(u16::MAX)
+}
+
 /// Sixteen rays in the space of a mesh; float64 takes them in two halves.
 #[derive(Debug, Clone, Default)]
 #[repr(C, align(64))]

@@ -29,7 +29,7 @@
     reason = "for chains of iterators the compiler copies registers to memory"
 )]
 
-use super::packet::{Packet, RAYS, largest_of, of, of_mut, vector};
+use super::packet::{Packet, RAYS, largest_of, lowest, of, of_mut, vector};
 use super::slabs::SMALLEST;
 use super::trees::Trees;
 use crate::accel::bounds::{BLUR, BOX, DISTANT, FAR};
@@ -292,12 +292,6 @@ fn split<L: Lanes>(l: L, whole: &[Both<L>; 3]) -> [[L::Floats; 3]; 2] {
 #[inline(always)]
 fn size<L: Lanes>(l: L, v: &[L::Floats; 3]) -> L::Floats {
     l.max(l.max(l.abs(v[0]), l.abs(v[1])), l.abs(v[2]))
-}
-
-/// A mask of the lowest `count` lanes.
-#[inline(always)]
-pub(in crate::accel) fn lowest(count: usize) -> u16 {
-    u16::try_from((1_u32 << count.min(RAYS)) - 1).unwrap_or(u16::MAX)
 }
 
 /// Step 2, for the rays that are `far`: their starts, moved; by which depth; and what comes to the
