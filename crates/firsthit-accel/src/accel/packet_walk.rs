@@ -10,7 +10,7 @@
 use super::bvh::{BALL, BOX_ROUNDING, Bvh, FARTHEST_BOX, WalkStack, push_nearest_last};
 use super::node::{LEAF, Node};
 use super::rays::packet::{RAYS, WorldRays, largest_of, lowest, of, of_mut, vector};
-use super::rays::slabs::{Intervals, least, slab};
+use super::rays::slabs::{Intervals, least, rays_at, slab};
 use super::traverse::mesh_packet::FEWEST;
 use crate::simd::{Aligned, InLanes, Kernel, LANES, Lanes, WIDE};
 
@@ -177,17 +177,8 @@ impl PacketWalk<'_> {
     /// Which rays may meet a child's box, each up to its own depth.
     #[inline(always)]
     fn rays<L: Lanes>(&self, l: L, node: &Node, child: usize, last: &[f32; RAYS]) -> u16 {
-        let (mut entry, mut exit) = (l.load(&self.first), l.load(last));
-        for axis in 0..3 {
-            let is_back = usize::from(self.around.inverse[axis][0].is_sign_negative());
-            let plane = |side: usize| node.planes[2 * axis + side][child];
-            let inverse = l.load(&self.inverse[axis]);
-            let [first, last] = &self.ends[axis];
-            let (near, far) = (l.splat(plane(is_back)), l.splat(plane(is_back ^ 1)));
-            entry = l.max(entry, l.mul_add(near, inverse, l.load(first)));
-            exit = l.min(exit, l.mul_add(far, inverse, l.load(last)));
-        }
-        l.le(entry, exit) & self.alive
+        let depths = (l.load(&self.first), l.load(last));
+        rays_at(l, (node, child), (&self.inverse, &self.ends), depths) & self.alive
     }
 }
 

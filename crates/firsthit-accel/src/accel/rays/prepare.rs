@@ -4,25 +4,34 @@
 //!
 //! 1. Find the axis along which the direction is longest. The others come first, so that slopes are
 //!    at most 1.
-//! 2. Bring the start into the tree's space. If it is farther away than `FAR`, move it along the
-//!    ray, in float64, to two units before the point that is nearest to the tree's middle.
-//! 3. Compute how far rounding can put the ray off: the reach and the blur (see `bounds.rs`).
-//! 4. Split the start into two float32, the second of which is what the first leaves out.
-//! 5. Compute what the test of a node takes: one over the direction, and the start over the
-//!    direction, moved by the margin.
+//! 2. Bring the start into the tree's space, and compute how far float64's rounding can put the ray
+//!    off: the blur (see `bounds.rs`).
+//! 3. Split the start into two float32, the second of which is what the first leaves out.
+//! 4. If it is farther away than `FAR`, move it along the ray, in float64, to two units before the
+//!    point that is nearest to the tree's middle, and split it again.
+//! 5. Compute what the test of a node takes (`slabs.rs`): one over the direction, and the start
+//!    over the direction, moved by the margin.
 //! 6. Bound the depths at which the ray begins and ends (`limits.rs`).
 //!
 //! # Error bounds
 //!
-//! The margin of a box is `BOX` times the reach and two blurs. In units of `U reach`:
+//! The margin of a box is `BOX` times the reach and two blurs. Along an axis the depth of a plane
+//! is `plane / d - (start / d + margin / |d|)`, or with the margin's other sign, where `1 / d` is
+//! one number. The errors of that depth, times `|d|`, in units of `U reach`:
 //!
-//! - 1: the start, rounded to float32, 1: its product with one over the direction, and 1: the sum
-//!   of that and the margin over the direction;
-//! - 2: the direction, rounded to float32, and one over that;
-//! - 1: the product of a plane with that, and 1: the difference of both;
-//! - 1: the vertices, rounded to float32 when the tree is made.
+//! - 1: the start, rounded to float32;
+//! - 2: the direction, rounded to float32, and one over that: a share of `plane - start`, which is
+//!   at most the reach;
+//! - 1: the sum of the start and the margin over the direction;
+//! - 1: the test's difference of the plane over the direction and that;
+//! - 1: the vertices, rounded to float32 when the tree is made;
+//! - 2, where lanes do not fuse products with sums: the start over the direction, and the plane
+//!   over the direction.
 //!
-//! These are 8; `BOX` allows 12.
+//! These are 6 where products are fused, and 8 where they are not; `BOX` allows 12. What is left is
+//! for the terms of higher orders: the margin is rounded, so is its product with the size of one
+//! over the direction, that is off by 2, and the sums are larger by the margin. Each of these few
+//! is one or two `U margin`: 24 `U` of a unit, and as small a share of the blurs.
 
 #![expect(
     clippy::needless_range_loop,
@@ -30,7 +39,7 @@
 )]
 
 use super::packet::{Packet, RAYS, largest_of, lowest, of, of_mut, vector};
-use super::slabs::SMALLEST;
+use super::slabs::narrow_slab;
 use super::trees::Trees;
 use crate::accel::bounds::{BLUR, BOX, DISTANT, FAR};
 use crate::simd::{Lanes, WIDE};
@@ -80,7 +89,7 @@ pub(super) use both;
 
 impl Packet {
     /// Makes the first `count` rays ready for the tree or trees that they are at. They are
-    /// [valid](Ray::is_valid).
+    /// [valid](crate::geometry::Ray::is_valid).
     #[inline(always)]
     pub fn prepare<L: Lanes>(&mut self, l: L, trees: impl Trees, count: usize) {
         self.prepare_blurred(l, trees, count, 0.0);
@@ -119,12 +128,14 @@ impl Packet {
         count: usize,
         off: f64,
     ) {
-        self.departing = 0;
+        (self.departing, self.distant) = (0, 0);
         self.begin = [0; RAYS];
         // One ray alone is common.
         let has_second = count > WIDE;
         let number = |x: f64| l.splat64(x);
+        // Step 1.
         let (axes, longest, direction) = self.directions(l, has_second);
+        // Step 2.
         let scale = both!(l, has_second, half => trees.scale(l, half));
         let mut start = [[number(0.0); 2]; 3];
         for axis in 0..3 {
@@ -141,13 +152,13 @@ impl Packet {
         });
         let depth_per_t = both!(l, has_second, half => l.mul64(longest[half], scale[half]));
         let mut blur = narrow(l, blur);
+        // Step 3.
         let [mut high, mut low] = split(l, &start);
         let mut largest = size(l, &high);
         // Step 4.
         let farthest = l.splat(NARROW_FAR);
         let far = lowest(count) & !l.le(largest, farthest);
         let mut moved = [number(0.0); 2];
-        self.distant = 0;
         if far != 0 {
             let mut further = [number(0.0); 2];
             self.distant = far & self.move_nearer(l, far, (&mut start, &mut moved, &mut further));
@@ -163,9 +174,15 @@ impl Packet {
             l.store64(depth_per_t[half], of_mut(&mut self.depth_per_t, half));
             l.store64(moved[half], of_mut(&mut self.moved, half));
         }
+        // Step 5.
         let reach = l.mul_add(largest, l.splat(1.000_001), l.splat(1.0));
         let margin = l.mul_add(reach, l.splat(BOX), l.add(blur, blur));
-        self.set_slabs(l, (&high, &direction), margin);
+        for axis in 0..3 {
+            let (over, [first, last]) = narrow_slab(l, high[axis], direction[axis], margin);
+            l.store(over, &mut self.inverse[axis]);
+            l.store(first, &mut self.ends[axis][0]);
+            l.store(last, &mut self.ends[axis][1]);
+        }
         l.store(blur, &mut self.blur);
         let [across, upwards, forwards] = axes.turned(l, direction);
         l.store(across, &mut self.slope[0]);
@@ -178,11 +195,12 @@ impl Packet {
         }
         let Axes([first, second]) = axes;
         self.is_along = [second, !(first | second)];
+        // Step 6.
         self.set_limits(l, has_second, (reach, blur));
     }
 
-    /// Step 1: the longest component of each direction, of equal ones the first, as in the exact
-    /// test; and the directions with that as 1 or -1.
+    /// The longest component of each direction, of equal ones the first, as in the exact test; and
+    /// the directions with that as 1 or -1.
     #[inline(always)]
     fn directions<L: Lanes>(&self, l: L, has_second: bool) -> (Axes, Both<L>, [L::Floats; 3]) {
         let (mut first, mut second) = ([0; 2], [0; 2]);
@@ -192,7 +210,7 @@ impl Packet {
             let longest = largest_of(l, &d);
             first[half] = l.le64(longest, l.abs64(d[0]));
             second[half] = !first[half] & l.le64(longest, l.abs64(d[1]));
-            // The reciprocal of any other has fewer digits.
+            // Beyond these sizes a reciprocal has fewer digits.
             is_plain &= l.le64(longest, l.splat64(1e300)) & l.le64(l.splat64(1e-300), longest);
             longest
         });
@@ -214,29 +232,8 @@ impl Packet {
         (Axes([u16::from_le_bytes(first), u16::from_le_bytes(second)]), longest, direction)
     }
 
-    /// Step 5: what the test of a node takes, from the starts and directions.
-    #[inline(always)]
-    fn set_slabs<L: Lanes>(
-        &mut self,
-        l: L,
-        (start, direction): (&[L::Floats; 3], &[L::Floats; 3]),
-        margin: L::Floats,
-    ) {
-        let (least, most) = (l.splat(-1.0 / SMALLEST), l.splat(1.0 / SMALLEST));
-        let minus = l.sub(l.splat(0.0), margin);
-        for axis in 0..3 {
-            let over = l.div(l.splat(1.0), direction[axis]);
-            let over = l.max(l.min(over, most), least);
-            let size = l.abs(over);
-            l.store(over, &mut self.inverse[axis]);
-            let [first, last] = &mut self.ends[axis];
-            l.store(l.neg_mul_add(start[axis], over, l.mul(minus, size)), first);
-            l.store(l.neg_mul_add(start[axis], over, l.mul(margin, size)), last);
-        }
-    }
-
-    /// Step 2, for the rays that are `far`: moves their starts, and adds by which depth, and how
-    /// much further off that puts them. Returns those that are distant.
+    /// Moves the starts of the rays that are `far`, and adds by which depth, and how much further
+    /// off that puts them. Returns those that are distant.
     #[inline(always)]
     fn move_nearer<L: Lanes>(
         &self,
@@ -275,7 +272,7 @@ fn narrow<L: Lanes>(l: L, [first, second]: Both<L>) -> L::Floats {
     l.narrow(first, second)
 }
 
-/// Step 4: vectors in two parts.
+/// Vectors in two parts.
 #[inline(always)]
 fn split<L: Lanes>(l: L, whole: &[Both<L>; 3]) -> [[L::Floats; 3]; 2] {
     let [mut high, mut low] = [[l.splat(0.0); 3]; 2];
@@ -294,8 +291,7 @@ fn size<L: Lanes>(l: L, v: &[L::Floats; 3]) -> L::Floats {
     l.max(l.max(l.abs(v[0]), l.abs(v[1])), l.abs(v[2]))
 }
 
-/// Step 2, for the rays that are `far`: their starts, moved; by which depth; and what comes to the
-/// blur.
+/// The starts of the rays that are `far`, moved; by which depth; and what comes to the blur.
 #[inline(always)]
 fn nearer<L: Lanes>(
     l: L,

@@ -7,7 +7,7 @@
 //!    box alone begins there.
 
 use super::packet::{Packet, RAYS};
-use super::slabs::{Intervals, most};
+use super::slabs::{Intervals, most, rays_at};
 use crate::accel::mesh_tree::MeshTree;
 use crate::accel::node::Node;
 use crate::shape::Meshes;
@@ -37,8 +37,7 @@ impl Packet {
         self.alive &= met;
     }
 
-    /// The rays that meet the box of a child of a node, which is there, at depths up to `limits`: to
-    /// the bit what the test of each ray alone says.
+    /// The rays that meet the box of a child of a node, which is there, at depths up to `limits`.
     #[inline(always)]
     pub(in crate::accel) fn meets<L: Lanes>(
         &self,
@@ -47,18 +46,7 @@ impl Packet {
         child: usize,
         limits: L::Floats,
     ) -> u16 {
-        let (mut entry, mut exit) = (l.splat(0.0), limits);
-        for axis in 0..3 {
-            let low = l.splat(node.planes[2 * axis][child % RAYS]);
-            let high = l.splat(node.planes[2 * axis + 1][child % RAYS]);
-            let inverse = l.load(&self.inverse[axis]);
-            let [first, last] = &self.ends[axis];
-            let (first, last) = (l.load(first), l.load(last));
-            let near = l.min(l.mul_add(low, inverse, first), l.mul_add(high, inverse, first));
-            let far = l.max(l.mul_add(low, inverse, last), l.mul_add(high, inverse, last));
-            (entry, exit) = (l.max(entry, near), l.min(exit, far));
-        }
-        l.le(entry, exit)
+        rays_at(l, (node, child), (&self.inverse, &self.ends), (l.splat(0.0), limits))
     }
 
     /// Whether the first and the last ray are so far apart at the mesh that each ray meets leaves

@@ -1,5 +1,5 @@
-//! The slab test of one ray with the sixteen boxes of a node, and of the intervals around several
-//! rays' numbers.
+//! The slab test of one ray with the sixteen boxes of a node, of sixteen rays with one box, and of
+//! the intervals around several rays' numbers with a node.
 //!
 //! Each operation of the test is monotone in its arguments, rounding included. So a box that the
 //! intervals miss is missed by every ray, to the bit of its own test.
@@ -22,9 +22,10 @@ pub(in crate::accel) struct Slabs {
 
 /// A component of a direction that is smaller moves a ray by less than every margin. One over it is
 /// taken to be a huge number of its sign, which still tells inside from outside.
-pub(in crate::accel) const SMALLEST: f32 = 1e-30;
+const SMALLEST: f32 = 1e-30;
 
-/// One over a component of a direction, and the two [ends](Slabs::ends) along its axis.
+/// One over a component of a direction, and the two [ends](Slabs::ends) along its axis. For float64
+/// of one ray or of lanes, with the same bits: no operation is fused.
 #[inline(always)]
 pub(in crate::accel) fn slab<A: Arithmetic>(
     of: A,
@@ -39,6 +40,45 @@ pub(in crate::accel) fn slab<A: Arithmetic>(
     let over = of.div(of.number(1.0), of.select(is_small, minus_if_back(smallest), direction));
     let (wider, minus) = (minus_if_back(margin), of.sub(zero, over));
     (over, [of.mul(of.add(start, wider), minus), of.mul(of.sub(start, wider), minus)])
+}
+
+/// What [`slab`] computes, in float32 for the tree of a mesh. It has a form of its own with fewer
+/// operations, fused where lanes can; the margin covers its rounding (see `prepare.rs`).
+#[inline(always)]
+pub(in crate::accel) fn narrow_slab<L: Lanes>(
+    l: L,
+    start: L::Floats,
+    direction: L::Floats,
+    margin: L::Floats,
+) -> (L::Floats, [L::Floats; 2]) {
+    let over = l.div(l.splat(1.0), direction);
+    // Finite for a zero, too.
+    let over = l.max(l.min(over, l.splat(1.0 / SMALLEST)), l.splat(-1.0 / SMALLEST));
+    let (size, minus) = (l.abs(over), l.sub(l.splat(0.0), margin));
+    let first = l.neg_mul_add(start, over, l.mul(minus, size));
+    (over, [first, l.neg_mul_add(start, over, l.mul(margin, size))])
+}
+
+/// The rays, a lane each, that meet the box of a child of a node, which is there, at depths from
+/// `entry` to `exit`: to the bit what [`Slabs::boxes`] says of each ray.
+#[inline(always)]
+pub(in crate::accel) fn rays_at<L: Lanes>(
+    l: L,
+    (node, child): (&Node, usize),
+    (inverse, ends): (&[[f32; RAYS]; 3], &[[[f32; RAYS]; 2]; 3]),
+    (mut entry, mut exit): (L::Floats, L::Floats),
+) -> u16 {
+    for axis in 0..3 {
+        let low = l.splat(node.planes[2 * axis][child % RAYS]);
+        let high = l.splat(node.planes[2 * axis + 1][child % RAYS]);
+        let inverse = l.load(&inverse[axis]);
+        let [first, last] = &ends[axis];
+        let (first, last) = (l.load(first), l.load(last));
+        let near = l.min(l.mul_add(low, inverse, first), l.mul_add(high, inverse, first));
+        let far = l.max(l.mul_add(low, inverse, last), l.mul_add(high, inverse, last));
+        (entry, exit) = (l.max(entry, near), l.min(exit, far));
+    }
+    l.le(entry, exit)
 }
 
 impl Slabs {
