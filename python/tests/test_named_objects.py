@@ -1,4 +1,4 @@
-"""Objects by their names, of which there may be thousands."""
+"""Objects by their names, of which there may be many."""
 
 import copy
 import pickle
@@ -6,7 +6,7 @@ import pickle
 import firsthit as fh
 import numpy as np
 import pytest
-from firsthit._objects.of_file import ObjectList
+from firsthit._objects.object_list import ObjectList
 
 
 def boxes(count: int) -> fh.Scene:
@@ -16,7 +16,7 @@ def boxes(count: int) -> fh.Scene:
     return scene
 
 
-def test_thousands_of_names_are_looked_up_without_a_walk_for_each(
+def test_a_thousand_names_are_looked_up_without_a_walk_for_each(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     scene = boxes(1000)
@@ -50,8 +50,13 @@ def test_a_slip_of_the_finger_is_told() -> None:
     scene, camera = boxes(2), fh.Camera.look_at((1, 1, 9), (1, 1, 0), (0, 1, 0), 45, 4, 4)
     with pytest.raises(ValueError, match="'prat 1'; did you mean 'part 1'"):
         scene.hide("prat 1")
+    with pytest.raises(ValueError, match="'PART 1'; did you mean 'part 1'"):
+        scene.hide("PART 1")
     with pytest.raises(ValueError, match="got 'depht'; depth is called z, the distance"):
         fh.render(scene, camera, channels="depht")
+    scene.add(fh.Sphere((0, 0, 0), 1), name="t")
+    with pytest.raises(ValueError, match=r"no object with the name 'dept'$"):
+        scene.hide("dept")
     with pytest.raises(ValueError, match="got 'lambrt'; did you mean 'lambert'"):
         fh.render(scene, camera, shade="lambrt")
 
@@ -66,8 +71,9 @@ def test_names_stay_right_whatever_is_added_removed_or_copied() -> None:
     scene.remove("part 1")
     scene.add(fh.Box((3, 0, 0), (4, 1, 1)), name="late")
     twin.add(fh.Box((3, 0, 2), (4, 1, 3)), name="other")
-    for of, lacks in ((scene, "part 1"), (scene, "other"), (twin, "late")):
-        with pytest.raises(ValueError, match=f"no object with the name '{lacks}'"):
+    near = r"; did you mean 'part 2'\?"
+    for of, lacks, hint in ((scene, "part 1", near), (scene, "other", ""), (twin, "late", "")):
+        with pytest.raises(ValueError, match=f"no object with the name '{lacks}'{hint}$"):
             of.hide(lacks)
     for of, name, expected in ((scene, "late", 3), (twin, "other", 3), (twin, "part 1", 1)):
         for each in (of, pickle.loads(pickle.dumps(of))):

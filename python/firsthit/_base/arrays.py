@@ -11,8 +11,8 @@ import numpy as np
 
 from firsthit import _firsthit
 
-from .channel_hints import hint
 from .errors import warn
+from .hints import hint
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterator

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, TypeVar, cast, get_args
 
 from firsthit._base.arrays import flag, number, text
-from firsthit._base.channel_hints import hint
+from firsthit._base.hints import channel_hint
 from firsthit.typing import DistanceName, Far, MatteName
 
 if TYPE_CHECKING:
@@ -112,7 +112,7 @@ def distinct(names: _Name | Sequence[_Name], known: Sequence[_Name]) -> list[_Na
         )
         if name not in known and not is_more:
             there = f"{', '.join(known)}, {_OCCLUSION}:LENGTH, {ATTRIBUTE}NAME"
-            meant = hint(name, known)
+            meant = channel_hint(name, known)
             raise ValueError(f"channels must be among {there}, got {name!r}{meant}")
     return list(dict.fromkeys(asked))
 

@@ -12,7 +12,7 @@ import numpy as np
 
 from firsthit import _firsthit
 from firsthit._base.arrays import count, text
-from firsthit._base.channel_hints import hint
+from firsthit._base.hints import channel_hint
 from firsthit._base.optional import optional
 from firsthit._looks.display import Display, as_display
 
@@ -207,7 +207,9 @@ class Frame(Plottable):
         """Return the array of a channel; a ``KeyError`` where there is none, as of a dict."""
         if name not in self._channels:
             there = ", ".join(self._channels)
-            raise KeyError(f"no channel {name!r}; there are {there}{hint(name, self._channels)}")
+            raise KeyError(
+                f"no channel {name!r}; there are {there}{channel_hint(name, self._channels)}"
+            )
         return self._channels[name]
 
     def keys(self) -> KeysView[str]:

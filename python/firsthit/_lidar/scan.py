@@ -20,7 +20,7 @@ from .lidar_scan import LidarScan, ScanOrigin, shaped
 if TYPE_CHECKING:
     import numpy.typing as npt
 
-    from firsthit._objects.of_file import ObjectList
+    from firsthit._objects.object_list import ObjectList
     from firsthit._scene.scene import Scene
     from firsthit.typing import ObjectKey, Progress, Returns, Rings
 

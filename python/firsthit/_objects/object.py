@@ -8,7 +8,7 @@ import numpy as np
 
 from firsthit import _firsthit
 from firsthit._base.arrays import cast, index, numbers
-from firsthit._base.channel_hints import hint
+from firsthit._base.hints import hint
 from firsthit._looks.material import Material, colored, shared
 
 from .filters import ALL
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from firsthit.typing import Selection, Vector
 
     from .foreign import Part
-    from .of_file import ObjectList
+    from .object_list import ObjectList
     from .shapes import Shape
 
 #: The shape of an object that was removed.

@@ -13,7 +13,7 @@ from firsthit._looks.lights import light_native
 
 from .filters import ALL, one_mask
 from .object import chosen
-from .of_file import ObjectList, natives
+from .object_list import ObjectList, natives
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence

@@ -8,7 +8,7 @@ import numpy as np
 
 from firsthit import _firsthit
 from firsthit._base.arrays import chunks, filled, lock, one_of, text, threads_or_all
-from firsthit._base.channel_hints import hint
+from firsthit._base.hints import channel_hint
 from firsthit._base.progress import following, later
 from firsthit._base.rounding import singles
 from firsthit._files.channels import attribute_of
@@ -309,7 +309,7 @@ class Channels:
         # About pixels more than about hits, so not in every table of them.
         if name not in (*_OF_A_CAMERA, "valid"):
             there = self.channels
-            meant = hint(name, there)
+            meant = channel_hint(name, there)
             raise ValueError(f"channel must be among {', '.join(there)}, got {name!r}{meant}")
         if name not in self._made:
             with following(progress, len(self._arrays[0])) as report:
@@ -421,7 +421,7 @@ class Channels:
             if known == name:
                 return self.channel(known)
         if name == "depth" and name not in self.attributes:
-            raise ValueError(f"depth is no channel{hint(name, self.channels)}")
+            raise ValueError(f"depth is no channel{channel_hint(name, self.channels)}")
         return self.attribute(attribute_of(name) or name)
 
     def __bool__(self) -> bool:

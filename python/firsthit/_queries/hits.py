@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from firsthit._base.arrays import chosen
-from firsthit._base.channel_hints import hint
+from firsthit._base.hints import channel_hint
 from firsthit._base.rounding import singles_within
 from firsthit._files.channels import stored
 from firsthit._files.plot import Plottable
@@ -272,7 +272,7 @@ class Hits(Tables, Plottable):
                 # It was tried, and says once more why there is none, as z without an aim does.
                 return self.__getattribute__(name)
             said = f"{type(self).__name__!r} object has no attribute {name!r}"
-            raise AttributeError(said + hint(name, self.channels), name=name, obj=self)
+            raise AttributeError(said + channel_hint(name, self.channels), name=name, obj=self)
 
     def __repr__(self) -> str:
         met = int(np.count_nonzero(self._arrays[1] >= 0))

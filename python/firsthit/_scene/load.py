@@ -21,7 +21,7 @@ from firsthit._looks.lights import Sky, light_of
 from firsthit._looks.material import Material, Texture
 from firsthit._looks.shading import Shader, Shading
 from firsthit._objects.mesh import Mesh
-from firsthit._objects.of_file import ObjectList, OfFile
+from firsthit._objects.object_list import ObjectList, OfFile
 from firsthit._sensors import named_camera
 
 from .scene import Scene

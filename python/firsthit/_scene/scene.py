@@ -20,7 +20,7 @@ from firsthit._looks.shading import Shading
 from firsthit._objects import foreign
 from firsthit._objects.filters import ALL, one_mask
 from firsthit._objects.object import Object, affine, placed
-from firsthit._objects.of_file import ObjectList
+from firsthit._objects.object_list import ObjectList
 from firsthit._objects.traceable import Built
 from firsthit._queries.inspections import Inspections
 from firsthit._queries.of_points import PointQueries
@@ -472,7 +472,8 @@ class Scene(Changes, RayQueries, PointQueries, Inspections):
         if built is not None:
             # Where the objects were when it was built, lest a move come in between.
             count = len(built.objects)
-            other._objects[:count] = list(built.objects.held())
+            held: Any = built.objects.held()
+            other._objects[:count] = list(held)
             own = Built(other._objects[:count], built.lights, built.around, built.native)
             other._last = Last(own, other._moves, 0)
         return other

@@ -8,8 +8,8 @@ from fnmatch import fnmatchcase
 from typing import TYPE_CHECKING, Literal, NamedTuple
 
 from firsthit._base.arrays import text
-from firsthit._base.channel_hints import hint
 from firsthit._base.errors import warn
+from firsthit._base.hints import hint
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

@@ -1,4 +1,4 @@
-"""The objects of a file, of which there may be a million: each is made when it is asked for."""
+"""Lists of a scene's objects: those of a file, perhaps a million, are made when asked for."""
 
 from __future__ import annotations
 
@@ -61,7 +61,7 @@ class OfFile:
 class ObjectList(_List):
     """The objects of a scene, in which those of a file are numbers until they are asked for.
 
-    Whatever copies it at one moment copies the numbers. Copies share what is known of names.
+    A copy made at one moment holds numbers too. Copies share what is known of names.
     """
 
     __slots__ = ("_names", "of_file")
@@ -90,23 +90,23 @@ class ObjectList(_List):
         file: Any = self.of_file
         return (file[each] if isinstance(each, int) else each for each in self.held())
 
-    def held(self) -> Iterator[Any]:
+    def held(self) -> Iterator[int | Object]:
         """Go through the list as it is, with numbers."""
         return super().__iter__()
 
     def called(self, name: str) -> list[int]:
         """Return the identifiers of the objects of that name that were not removed."""
         known = self._names
-        # What two threads do here at once is the same, or more of it.
+        # Two threads here at once note the same names, or one of them more.
         for k in range(known.count, len(self)):
             known.note(self[k]._name, k)
         known.count = max(known.count, len(self))
         there = [k for k in list(known.found.get(name, ())) if k < len(self)]
         return [k for k in there if self[k]._name == name and not self[k]._is_removed]
 
-    def names(self) -> list[str]:
-        """Return the names that `called` knows: of all objects, once it was asked."""
-        return list(self._names.found)
+    def names(self) -> Iterator[str]:
+        """Yield the names that `called` finds an object by, once it was asked for any."""
+        return (name for name in list(self._names.found) if self.called(name))
 
     def note_name(self, identifier: int) -> None:
         """Remember the name of an object that will be removed: earlier copies still have it."""
