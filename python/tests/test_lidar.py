@@ -599,9 +599,12 @@ def test_what_is_no_npz_of_a_scan_is_refused(scan, tmp_path):
     refused("it has no ring", ring=None)
     refused("time must be float64", time=good["time"].astype(np.float32))
     refused(r"point must be float64 of the shape \(\d+, 3\)", point=good["point"][1:])
-    for name in ("none.npz", "good.ply"):
-        with pytest.raises(fh.FileError):
-            fh.LidarScan.load(tmp_path / name)
+    with pytest.raises(fh.FileError):
+        fh.LidarScan.load(tmp_path / "none.npz")
+    with pytest.raises(
+        fh.FileFormatError, match=r"good\.ply: a scan is .*; read_points reads \.ply"
+    ):
+        fh.LidarScan.load(tmp_path / "good.ply")
 
 
 def test_a_las_says_what_it_is(tmp_path):

@@ -12,6 +12,7 @@ import numpy as np
 
 from firsthit import _firsthit
 from firsthit._base.arrays import copied, flag, lock
+from firsthit._base.errors import FileFormatError
 from firsthit._base.log import timed
 from firsthit._base.optional import optional
 
@@ -215,7 +216,12 @@ class LidarScan:
         FileFormatError
             For what is no such file; also a `ValueError`.
         """
-        return cls._whole(_firsthit.read_scan(Path(path)))
+        path = Path(path)
+        if path.suffix.lower() != ".npz":
+            others = "read_points reads .ply, .pcd, .las, .laz and .csv, pandas a .parquet"
+            message = f"{path}: a scan is read from an .npz; {others}"
+            raise FileFormatError(_firsthit.escaped(message), str(path))
+        return cls._whole(_firsthit.read_scan(path))
 
     def _said(self) -> str:
         """Return what was scanned, and how, as JSON."""

@@ -14,8 +14,7 @@ const KINDS: [&str; 2] = ["lidar", "rays"];
 pub(super) fn scan(path: &Path) -> Result<Scan> {
     let wrong = |what: String| Error::Parse { path: path.to_owned(), place: Place::File, what };
     if !path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("npz")) {
-        let what = "a scan is read from an .npz; read_points reads the points of .ply, .pcd, .las, .laz and .csv, pandas a .parquet";
-        return Err(wrong(what.to_owned()));
+        return Err(wrong("a scan is read from an .npz".to_owned()));
     }
     let scan = fitting(read(path)?);
     scan.map_err(|what| wrong(format!("not a scan of a lidar: {what}")))
