@@ -28,7 +28,7 @@ from firsthit._objects.object import (
     identified_each,
     is_several,
 )
-from firsthit._objects.of_file import ObjectList
+from firsthit._objects.object_list import ObjectList
 from firsthit._objects.shapes import Shape
 from firsthit._objects.traceable import Built, Traceable
 from firsthit.typing import Build
@@ -184,7 +184,7 @@ class Changes(Traceable):
         Warns
         -----
         FirsthitWarning
-            Where all that are hidden are none.
+            If no object is hidden.
         """
         if objects is None:
             each = enumerate(self._objects)
