@@ -48,3 +48,12 @@ fn a_quarter_of_a_metre_lost_in_float32_is_told() {
     let [off, largest]: [f64; 2] = [off, largest].map(Option::unwrap);
     assert!((off - largest).abs() < 1e-5 * off && off > 0.1, "{off} {largest}");
 }
+
+#[test]
+fn one_hit_near_the_origin_is_well_told_by_float32() {
+    let lab = Lab::with_square();
+    let render = "render square.ply --size 1x1 --position 0.1,0.1,5 --aim 0,0,-1 --up 0,1,0";
+    let outcome = lab.ok(&format!("{render} --channels position -o a.exr -o a.pcd"));
+    assert!(!outcome.stderr.contains("warning"), "{}", outcome.stderr);
+    assert!(String::from_utf8_lossy(&lab.read("a.pcd")).contains("\nSIZE 4 4 4\n"));
+}

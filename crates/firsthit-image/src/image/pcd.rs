@@ -4,7 +4,7 @@
 use std::io::{self, Write};
 
 use super::content::Content;
-use super::points::{Layout, Type, comments, points};
+use super::points::{Layout, Type, comments, points, write_rows};
 
 /// All that comes before the metadata's own words.
 pub(super) const MARK: &str = "# .PCD v0.7 - Point Cloud Data file format\n# ";
@@ -20,9 +20,10 @@ pub(super) fn encode(content: &Content<'_>, out: &mut dyn Write) -> io::Result<(
     let comments = comments(content, "#");
     let comments = comments.strip_prefix("# ").unwrap_or_default();
     let mut lines = ["FIELDS", "SIZE", "TYPE", "COUNT"].map(str::to_owned);
-    for channel in &content.channels {
+    let columns = LAYOUT.columns(content);
+    for &(channel, of_columns) in &columns {
         for name in LAYOUT.names(channel) {
-            let (size, kind) = match LAYOUT.type_of(channel) {
+            let (size, kind) = match of_columns {
                 Type::Float64 => (8, 'F'),
                 // PCL's own type of points keeps the bytes of `rgb` in a float, those of `rgba` in
                 // a whole number.
@@ -41,5 +42,5 @@ pub(super) fn encode(content: &Content<'_>, out: &mut dyn Write) -> io::Result<(
     let count = points(content).count();
     write!(out, "{MARK}{comments}VERSION 0.7\n{}\n", lines.join("\n"))?;
     write!(out, "WIDTH {count}\nHEIGHT 1\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS {count}\nDATA binary\n")?;
-    LAYOUT.write(content, out)
+    write_rows(content, &columns, out)
 }

@@ -3,7 +3,7 @@
 use std::io::{self, Write};
 
 use super::content::Content;
-use super::points::{Layout, Type, comments, points};
+use super::points::{Layout, Type, comments, points, write_rows};
 
 /// All that comes before the metadata's own words.
 pub(super) const MARK: &str = "ply\nformat binary_little_endian 1.0\ncomment ";
@@ -18,8 +18,9 @@ pub(super) fn encode(content: &Content<'_>, out: &mut dyn Write) -> io::Result<(
     let comments = comments.strip_prefix("comment ").unwrap_or_default();
     write!(out, "{MARK}{comments}")?;
     writeln!(out, "element vertex {}", points(content).count())?;
-    for channel in &content.channels {
-        let kind = match LAYOUT.type_of(channel) {
+    let columns = LAYOUT.columns(content);
+    for &(channel, of_columns) in &columns {
+        let kind = match of_columns {
             Type::Float64 => "double",
             Type::Float32 => "float",
             Type::Int32 => "int",
@@ -30,5 +31,5 @@ pub(super) fn encode(content: &Content<'_>, out: &mut dyn Write) -> io::Result<(
         }
     }
     writeln!(out, "end_header")?;
-    LAYOUT.write(content, out)
+    write_rows(content, &columns, out)
 }

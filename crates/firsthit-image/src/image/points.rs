@@ -111,20 +111,27 @@ impl Layout {
         rounded.try_for_each(|channel| check_float32(channel, content.shape, expected))
     }
 
-    /// Writes the points: the rows of the file.
-    pub(super) fn write(&self, content: &Content<'_>, out: &mut dyn Write) -> io::Result<()> {
-        let columns = content.channels.iter();
-        let columns: Vec<_> = columns.map(|c| (*c, self.type_of(c))).collect();
-        let mut row = Vec::new();
-        for index in points(content) {
-            row.clear();
-            for &(channel, kind) in &columns {
-                append(channel, kind, index, &mut row);
-            }
-            out.write_all(&row)?;
-        }
-        Ok(())
+    /// The channels, each with the type of its columns.
+    pub(super) fn columns<'a>(&self, content: &Content<'a>) -> Vec<(&'a Channel, Type)> {
+        content.channels.iter().map(|channel| (*channel, self.type_of(channel))).collect()
     }
+}
+
+/// Writes the points: the rows of the file.
+pub(super) fn write_rows(
+    content: &Content<'_>,
+    columns: &[(&Channel, Type)],
+    out: &mut dyn Write,
+) -> io::Result<()> {
+    let mut row = Vec::new();
+    for index in points(content) {
+        row.clear();
+        for &(channel, kind) in columns {
+            append(channel, kind, index, &mut row);
+        }
+        out.write_all(&row)?;
+    }
+    Ok(())
 }
 
 fn is_position(channel: &Channel) -> bool {
