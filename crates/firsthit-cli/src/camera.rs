@@ -85,10 +85,24 @@ pub(crate) fn camera(
         model.up
     };
     let is_guessed = described.up.is_none() && model.up_is_guessed;
+    let camera = described.camera(bounds, support, up);
     Ok(Chosen {
-        camera: described.camera(bounds, support, up)?,
+        camera: camera.map_err(|error| Failure::of_options(error, &given(args)))?,
         guessed: guessed(&described, is_guessed.then_some(up)),
     })
+}
+
+/// The settings that options give in place of a file.
+fn given(args: &CameraArgs) -> Vec<&'static str> {
+    let options = [
+        ("fov", args.fov.is_some()),
+        ("fov_axis", args.fov_axis.is_some()),
+        ("ray_start", args.ray_start.is_some()),
+        ("viewplane", args.viewplane.is_some()),
+        ("aperture", args.aperture.is_some()),
+        ("focus", args.focus.is_some()),
+    ];
+    options.into_iter().filter(|(_, is_given)| *is_given).map(|(name, _)| name).collect()
 }
 
 /// The guesses about the camera.

@@ -51,6 +51,19 @@ impl Failure {
         Self { code: LIMIT, message: Some(message.to_string()) }
     }
 
+    /// The failure about settings of which options gave those that are `named`, and no file: its
+    /// message names the option.
+    pub(crate) fn of_options(error: Error, named: &[&str]) -> Self {
+        match error {
+            Error::Argument { name, expected, got } if named.contains(&name) => {
+                let option = name.replace('_', "-");
+                let expected = expected.replace("`far`", "--far");
+                Self::usage(format!("--{option} must be {expected}, got {got}"))
+            }
+            other => other.into(),
+        }
+    }
+
     /// Adds words to the message.
     pub(crate) fn with(mut self, more: &str) -> Self {
         self.message = self.message.map(|message| message + more);
@@ -116,14 +129,21 @@ impl From<Error> for Failure {
             Error::Interrupted => INTERRUPTED,
             _ => INTERNAL,
         };
-        let mut message = error.to_string();
-        if let Error::Argument { name, .. } = &error {
-            // The setting as the command line has it, where it has.
-            let option = format!("--{}", name.replace('_', "-"));
-            if std::env::args().any(|word| word.split('=').next() == Some(&option)) {
-                message = message.replacen(name, &option, 1).replace("`far`", "--far");
-            }
-        }
-        Self { code, message: Some(message) }
+        Self { code, message: Some(error.to_string()) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_an_option_that_gave_the_value_is_named() {
+        let error = || Error::argument("png_scale", "larger, unless `far` is given", "png_scale");
+        let (code, message) = Failure::of_options(error(), &["far", "png_scale"]).into_parts();
+        let expected = "--png-scale must be larger, unless --far is given, got png_scale";
+        assert_eq!((code, &*message), (USAGE, expected));
+        let (_, message) = Failure::of_options(error(), &["far"]).into_parts();
+        assert_eq!(message, error().to_string());
     }
 }

@@ -49,7 +49,8 @@ pub(crate) fn write(
     // All of them, or none because of what one cannot hold.
     for target in targets {
         if let Some(format) = target.format {
-            format.check(frame, target.channel, settings)?;
+            let checked = format.check(frame, target.channel, settings);
+            checked.map_err(|error| Failure::of_options(error, &["png_scale"]))?;
         }
     }
     for target in targets {

@@ -83,7 +83,8 @@ pub(crate) fn picture(
     let mut whole = match resume {
         Some(path) => {
             let _keeping = Keeping::begin();
-            picture.render_resumed(path, progress)?
+            let resumed = picture.render_resumed(path, progress);
+            resumed.map_err(|error| Failure::of_options(error, &["resume"]))?
         }
         None => picture.render(progress)?,
     };

@@ -43,7 +43,7 @@ pub(crate) fn run(args: &RenderArgs, progress: &Progress) -> Result<(), Failure>
     inputs::note(&args.file);
     // Errors in these are told before large files are read.
     if let Some(path) = &args.picture.resume {
-        check_state_file(path)?;
+        check_state_file(path).map_err(|error| Failure::of_options(error, &["resume"]))?;
     }
     let asked = (!args.picture.output.is_empty()).then(|| orders(args, &[])).transpose()?;
     output::kinds(&args.picture.channels, ChannelSource::Camera, true)?;
