@@ -5,8 +5,9 @@ use std::path::PathBuf;
 
 use firsthit::channel::{self, ChannelKind, RAY};
 use firsthit::image::{self, ArrayValues, Data, Frame, Metadata, Origin, WriteSettings};
-use firsthit::render::{BACKGROUND, Picture, Region, SAMPLES, work};
+use firsthit::render::{Picture, Region, work};
 use firsthit::sensor::Sensor;
+use firsthit::shade::{BACKGROUND, SAMPLES};
 use firsthit::shoot::Cpu;
 use firsthit::{Background, Color, DisplayTransform};
 use numpy::{PyArray1, PyReadonlyArray1};

@@ -6,8 +6,8 @@ use std::sync::Arc;
 
 use firsthit::fhs;
 use firsthit::load::{LoadSettings, Loaded, UNITS};
-use firsthit::render::Appearance;
 use firsthit::scene::Label;
+use firsthit::shade::Appearance;
 use firsthit::watch::Watch;
 use firsthit::world::{NamedCamera, World};
 use firsthit::{Background, DAffine3, Object, Shape};

@@ -1,10 +1,9 @@
 //! Lights and shaders: what they are, and their settings by name.
 
 use firsthit::geometry::{Domain, Setting, Value};
-use firsthit::render::{Appearance, Resolved};
 use firsthit::sampling::Draws;
 use firsthit::scene::Coloring;
-use firsthit::shade::LightRig;
+use firsthit::shade::{Appearance, LightRig, Resolved};
 use firsthit::{Camera, Light, Shader};
 use numpy::{PyArray1, PyReadonlyArray1};
 use pyo3::prelude::*;
@@ -185,7 +184,7 @@ pub(crate) fn check_shader(name: &str, settings: Vec<(String, ValueIn)>) -> Outc
     Ok(settings_out(shader.settings()))
 }
 
-/// The samples of a pixel, and the light that was chosen automatically.
+/// The samples of a pixel.
 #[pyfunction]
 pub(crate) fn resolve(
     py: Python<'_>,
@@ -193,10 +192,10 @@ pub(crate) fn resolve(
     camera: SensorIn<'_>,
     shading: ShadingIn,
     up: [f64; 3],
-) -> Outcome<(u32, Vec<&'static str>)> {
+) -> Outcome<u32> {
     let (scene, camera) = (&scene.0, camera.sensor().camera());
     let resolved = run(py, 0, |_| shading.resolve(scene, camera, None, up))?;
-    Ok((resolved.samples, resolved.guessed))
+    Ok(resolved.samples)
 }
 
 /// The numbers of some pixels' sample: `count` of the set of that number for each, one pixel after

@@ -21,11 +21,6 @@ pub use sample::{Sample, check_samples};
 pub use settings::{Look, Render};
 pub use state::check_state_file;
 
-pub use crate::shade::{
-    Appearance, BACKGROUND, RANDOM_SAMPLES, Resolved, SAMPLES, default_samples, default_shader,
-    world_up,
-};
-
 use crate::camera::{Aim, Camera, Description, StandardView};
 use crate::channel::{ChannelKind, still_camera};
 use crate::edge::{Edges, Lines, Subject};

@@ -2,8 +2,7 @@
 
 use firsthit::camera::{Aim, Description};
 use firsthit::load::Loaded;
-use firsthit::render::{Appearance, BACKGROUND};
-use firsthit::shade::{Lambert, Shader};
+use firsthit::shade::{Appearance, BACKGROUND, Lambert, Shader};
 use firsthit::world::World;
 use firsthit::{Camera, Result, Scene, example};
 

@@ -5,7 +5,8 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use firsthit::camera::StandardView;
 use firsthit::edge::Edges;
 use firsthit::image::Frame;
-use firsthit::render::{Appearance, framing_camera};
+use firsthit::render::framing_camera;
+use firsthit::shade::Appearance;
 use firsthit::{Camera, Color, DisplayTransform, Error, Object, Result, Scene};
 
 use crate::look::{FlatCamera, FrameRequest, Visibility};

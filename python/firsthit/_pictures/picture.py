@@ -109,7 +109,7 @@ class Picture(NamedTuple):
         filters, native = Filters.of(None, given["cull"], None), built.native
         if given["environment"] is not None:
             native = built.lit_by(given["environment"], scene.up)
-        samples, _guessed = _firsthit.resolve(native, camera._native, look._native(), scene.up)
+        samples = _firsthit.resolve(native, camera._native, look._native(), scene.up)
         if own is not None and "color" in names:
             _firsthit.check_samples(camera._native, samples)
         part = Region.of(given["region"], (camera.rows, camera.columns))

@@ -2,7 +2,7 @@
 
 use std::fmt::{self, Debug, Formatter};
 
-use super::{Appearance, Picture, Region, default_samples, framing_camera};
+use super::{Picture, Region, framing_camera};
 use crate::camera::{Camera, StandardView};
 use crate::channel::{self, ChannelKind};
 use crate::edge::Edges;
@@ -10,7 +10,7 @@ use crate::error::Result;
 use crate::geometry::{DVec3, Side, require};
 use crate::image::Frame;
 use crate::scene::{Background, Coloring, Scene};
-use crate::shade::{LightRig, Shade, Shader};
+use crate::shade::{Appearance, LightRig, Shade, Shader, default_samples};
 use crate::shoot::{Cpu, Engine};
 use crate::watch::Watch;
 
@@ -158,7 +158,7 @@ impl<'a> Render<'a> {
     }
 
     /// Sets the background, which is the colour of misses for the library's shaders;
-    /// [`BACKGROUND`](super::BACKGROUND) by default.
+    /// [`BACKGROUND`](crate::shade::BACKGROUND) by default.
     pub fn background(mut self, background: Background) -> Self {
         self.appearance.background = Some(background);
         self

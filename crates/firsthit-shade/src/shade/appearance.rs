@@ -46,8 +46,17 @@ pub struct Resolved {
     pub ground: Option<Ground>,
     /// The number of samples of a pixel.
     pub samples: u32,
-    /// The light that was chosen automatically, in words.
-    pub guessed: Vec<&'static str>,
+    /// The choices that were made automatically.
+    pub guessed: Vec<Guess>,
+}
+
+/// A choice that was made automatically.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Guess {
+    /// The choice, in words.
+    pub what: &'static str,
+    /// The setting that says otherwise: `light`, `shader` or `ground`.
+    pub setting: &'static str,
 }
 
 /// The default fill light in the shadows of a scene whose lights are its own: as much as Lambert's
@@ -59,7 +68,7 @@ const FILL: Color = Color::splat(0.25);
 const SHARE_OF_ROOM: f64 = 0.25;
 
 /// Said where lights that go with the camera would have walls between them and what it sees.
-const NO_SHADOWS: &str = "no shadows of lights outside of the room (--light)";
+const NO_SHADOWS: Guess = of_light("no shadows of lights outside of the room");
 
 impl Appearance {
     /// Decides what is open, for a camera; for another sensor there is none.
@@ -100,7 +109,8 @@ impl Appearance {
             // Without a camera there is light from all around alone.
             (Some(_), None) => borrowing(scene, vec![], Some(fill(LightRig::WHITE))),
             (None, _) if is_filled => {
-                guessed.push("some light from all around (--shader)");
+                let what = "some light from all around";
+                guessed.push(Guess { what, setting: "shader" });
                 scene.clone().with_borrowed_environment(Some(fill(FILL)))
             }
             (None, _) => scene.clone(),
@@ -115,7 +125,7 @@ impl Appearance {
         }
         if is_within && rig.is_some() {
             match &mut shader {
-                Shader::Path(_) => guessed.push("light from outside of the room (--light)"),
+                Shader::Path(_) => guessed.push(of_light("light from outside of the room")),
                 Shader::Direct(direct) => {
                     guessed.push(NO_SHADOWS);
                     direct.shadows = false;
@@ -135,7 +145,7 @@ impl Appearance {
             rig.is_some_and(|rig| rig != LightRig::Shoulder) && !is_within,
         );
         if ground.is_some() && self.ground.is_none() {
-            guessed.push("a ground for shadows (--ground)");
+            guessed.push(Guess { what: "a ground for shadows", setting: "ground" });
         }
         let is_random = shader.is_random() || ground.is_some();
         Resolved {
@@ -220,11 +230,15 @@ fn is_within(scene: &Scene, camera: &Camera) -> bool {
     camera.lens().is_panorama() || is_inside
 }
 
-fn of_rig(rig: LightRig) -> &'static str {
-    match rig {
-        LightRig::Shoulder => "light over the shoulder (--light)",
-        _ => "automatic light (--light)",
-    }
+const fn of_light(what: &'static str) -> Guess {
+    Guess { what, setting: "light" }
+}
+
+fn of_rig(rig: LightRig) -> Guess {
+    of_light(match rig {
+        LightRig::Shoulder => "light over the shoulder",
+        _ => "automatic light",
+    })
 }
 
 fn borrowing(scene: &Scene, lights: Vec<Light>, environment: Option<Arc<Environment>>) -> Scene {

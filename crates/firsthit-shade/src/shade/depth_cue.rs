@@ -28,15 +28,21 @@ macro_rules! depth_cued {
                 depth_color: Color, Domain::Color, default $crate::shade::depth_cue::COLOR;
             }
         }
-
-        impl From<&$kind> for $crate::shade::depth_cue::DepthCue {
-            fn from(of: &$kind) -> Self {
-                Self { near: of.depth_near, far: of.depth_far, color: of.depth_color }
-            }
-        }
     };
 }
 pub(super) use depth_cued;
+
+macro_rules! cues_of {
+    ($($kind:ident)*) => {$(
+        impl From<&super::$kind> for DepthCue {
+            fn from(of: &super::$kind) -> Self {
+                Self { near: of.depth_near, far: of.depth_far, color: of.depth_color }
+            }
+        }
+    )*};
+}
+// The layers of a ghost fade as Lambert's.
+cues_of! { Hemisphere Lambert Matcap Phong }
 
 /// Colours fade to another one, in proportion to how far a hit is between two distances from the
 /// start of its ray.

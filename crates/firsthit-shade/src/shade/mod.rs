@@ -30,8 +30,8 @@ mod whitted;
 mod xray;
 
 pub use appearance::{
-    Appearance, BACKGROUND, RANDOM_SAMPLES, Resolved, SAMPLES, default_samples, default_shader,
-    world_up,
+    Appearance, BACKGROUND, Guess, RANDOM_SAMPLES, Resolved, SAMPLES, default_samples,
+    default_shader, world_up,
 };
 pub use direct::Direct;
 pub use ghost::Ghost;

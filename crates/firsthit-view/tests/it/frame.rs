@@ -4,8 +4,9 @@ use std::io::Cursor;
 use std::sync::Arc;
 
 use firsthit::camera::StandardView;
-use firsthit::render::{Appearance, framing_camera};
+use firsthit::render::framing_camera;
 use firsthit::scene::{ColorBy, Coloring, Environment, EnvironmentKind, EnvironmentMap};
+use firsthit::shade::Appearance;
 use firsthit::{DMat3, DVec3, Mesh, Object, Positions, Scene, Sphere};
 use firsthit_view::{
     Answer, AnswerError, Cut, EnvironmentChoice, EnvironmentRequest, FrameRequest, Pixels, Probe,

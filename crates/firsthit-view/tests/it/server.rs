@@ -7,7 +7,8 @@ use std::thread::sleep;
 use std::time::{Duration, Instant};
 
 use firsthit::camera::StandardView;
-use firsthit::render::{Appearance, framing_camera};
+use firsthit::render::framing_camera;
+use firsthit::shade::Appearance;
 use firsthit::{DVec3, Object, Scene, Sphere};
 use firsthit_view::Viewer;
 use firsthit_view::server::Server;

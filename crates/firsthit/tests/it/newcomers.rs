@@ -1,14 +1,13 @@
-//! What meets whoever comes new: every name at the crate's root shows how it is used, and what is
-//! printed is short.
+//! First steps: every name at the crate's root shows how it is used, and debug output is short.
 
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use firsthit::load::{LoadSettings, Loaded, load_bytes};
-use firsthit::render::{BACKGROUND, RANDOM_SAMPLES, framing_camera};
+use firsthit::render::framing_camera;
 use firsthit::scene::{ColorBy, Coloring, MapRole, Maps};
-use firsthit::shade::{Ground, LightRig, Lighting};
+use firsthit::shade::{BACKGROUND, Ground, LightRig, Lighting, RANDOM_SAMPLES};
 use firsthit::shoot::{First, trace};
 use firsthit::world::World;
 use firsthit::{

@@ -3,7 +3,8 @@
 use firsthit::channel::ChannelKind;
 use firsthit::edge::{EdgeKind, Edges};
 use firsthit::geometry::meant_as_levels;
-use firsthit::render::{Resolved, idle, idle_in_files};
+use firsthit::render::{idle, idle_in_files};
+use firsthit::shade::Resolved;
 use firsthit::{Background, Color};
 
 use super::coloring::is_coloring;

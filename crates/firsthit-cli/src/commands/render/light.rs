@@ -1,8 +1,7 @@
 //! Light, ground and background, as the command line has them.
 
-use firsthit::render::{BACKGROUND, Resolved};
 use firsthit::scene::PointLight;
-use firsthit::shade::LightRig;
+use firsthit::shade::{BACKGROUND, LightRig, Resolved};
 use firsthit::world::World;
 use firsthit::{Background, Camera, DVec2, DVec3, Light, Scene};
 

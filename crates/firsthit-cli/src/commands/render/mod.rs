@@ -12,8 +12,8 @@ use std::path::{Path, PathBuf};
 use firsthit::channel::PLACEHOLDER;
 use firsthit::edge::{EdgeKind, Edges};
 use firsthit::inputs;
-use firsthit::render::{Appearance, check_state_file, default_samples, default_shader, world_up};
-use firsthit::shade::LightRig;
+use firsthit::render::check_state_file;
+use firsthit::shade::{Appearance, LightRig, default_samples, default_shader, world_up};
 use firsthit::shoot::Cpu;
 use firsthit::world::{Output, World};
 use firsthit::{Camera, Scene};
@@ -123,7 +123,9 @@ fn rendered(
     if has_colors {
         warn(&light::turned_away(&args.light, &seen));
         warn(light::unseen_ground(&args.light, &seen, &camera).as_slice());
-        guessed.extend(seen.guessed.iter().map(|&what| what.to_owned()));
+        let shown =
+            seen.guessed.iter().map(|guess| format!("{} (--{})", guess.what, guess.setting));
+        guessed.extend(shown);
         if noise.is_some() && args.picture.samples.or(model.appearance.samples).is_none() {
             guessed.push(format!("up to {} samples (--samples)", seen.samples));
         }

@@ -2,8 +2,7 @@
 
 use firsthit::Shader;
 use firsthit::geometry::{Setting, Value};
-use firsthit::render::default_shader;
-use firsthit::shade::LightRig;
+use firsthit::shade::{LightRig, default_shader};
 
 use crate::args::LightingArgs;
 use crate::failure::Failure;
