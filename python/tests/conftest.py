@@ -1,4 +1,4 @@
-"""What tests of several commands and jobs share."""
+"""Fixtures of several commands and jobs."""
 
 import os
 import shutil

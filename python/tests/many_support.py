@@ -51,7 +51,7 @@ def of_processes(workers, method):
 
 
 def tree(folder):
-    """What is in the files of the parts."""
+    """Return the content of the files of the parts."""
     files = sorted(path for path in Path(folder, "parts").rglob("*") if path.is_file())
     return {str(path.relative_to(folder)): path.read_bytes() for path in files}
 

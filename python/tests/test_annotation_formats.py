@@ -55,7 +55,7 @@ def pictures(**words):
 
 
 def loaded(path):
-    """What pycocotools reads, which says so on standard output."""
+    """Return the annotations as pycocotools reads them, which prints on standard output."""
     coco = pytest.importorskip("pycocotools.coco")
     with contextlib.redirect_stdout(io.StringIO()):
         return coco.COCO(str(path))

@@ -60,7 +60,7 @@ def is_for_checkers(node: ast.AST) -> bool:
 
 
 def imports(folder: str) -> list[Import]:
-    """What the files of a folder import from others, also within functions."""
+    """Return the imports of a folder's files from others, also within functions."""
     paths = sorted((PACKAGE / folder).rglob("*.py")) or [PACKAGE / f"{folder}.py"]
     found = []
     for path in paths:

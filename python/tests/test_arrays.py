@@ -136,7 +136,7 @@ def test_a_batch_longer_than_a_chunk_is_in_order():
 
 
 class Foreign:
-    """What trimesh and its like look like from here."""
+    """A mesh as trimesh and its like have it."""
 
     def __init__(self):
         self.vertices = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0]])

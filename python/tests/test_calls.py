@@ -159,7 +159,7 @@ def test_one_origin_or_direction_for_all_rays_is_one_for_each(length):
 
 
 def followed(call):
-    """What a call tells a function that follows it, and what it returns."""
+    """Return what a call tells a function that follows it, and its result."""
     told = []
     made = call(lambda done, total: told.append((done, total)))
     return told, made

@@ -385,7 +385,7 @@ def pinhole(angle, eye=(0, 0, 5), up=(0, 1, 0)):
 
 
 class TestBesideTrimesh:
-    """The same questions to trimesh itself, on its own path in float64."""
+    """Our questions to trimesh itself, on its own path in float64."""
 
     @pytest.fixture
     def peer(self):

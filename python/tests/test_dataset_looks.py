@@ -1,4 +1,4 @@
-"""What pictures of a data set look like: as `render` makes them, or refused."""
+"""Looks of pictures in a data set: as `render` makes them, or refused."""
 
 import re
 import shutil

@@ -1,4 +1,4 @@
-"""What rays do not meet: masks, sides, what is skipped or left. Judged by sifting all hits."""
+"""Filters of rays: masks, sides, skipped and left surfaces. Judged by sifting all hits."""
 
 import pickle
 

@@ -60,7 +60,7 @@ def test_a_triangle_that_is_seen_from_its_edge_does_not_hide_itself():
 
 
 def moved_crowd(scene):
-    """The same things elsewhere, each moved and turned."""
+    """Return a copy of the scene with each object moved and turned."""
     after, rng = copy.copy(scene), np.random.default_rng(22)
     for k in range(18):
         change = turned(rng.normal(size=3), 0.4, rng.uniform(-0.6, 0.6, 3))

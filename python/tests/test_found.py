@@ -1,4 +1,4 @@
-"""What people found who tried to break questions about rays, each once."""
+"""Faults that people found who tried to break questions about rays, each once."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What is seen where nobody says: the program's picture."""
+"""Default cameras: a picture is the program's."""
 
 import pickle
 import subprocess

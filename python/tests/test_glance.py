@@ -1,4 +1,4 @@
-"""What notebooks show of answers, at one glance."""
+"""Answers as notebooks show them, at one glance."""
 
 import base64
 import re

@@ -1,4 +1,4 @@
-"""What was read is not written over."""
+"""Files that were read are not written over."""
 
 import firsthit as fh
 import numpy as np

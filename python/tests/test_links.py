@@ -36,7 +36,7 @@ def anchors(path):
 
 
 def links(path):
-    """What a document links to, but for other hosts."""
+    """Return the targets of a document's links, but for other hosts."""
     text = prose(path)
     found = re.findall(r"\]\(<?([^()\s<>]+)>?(?: \"[^\"]*\")?\)", text)
     found += re.findall(r"^\[[^]]+\]: +(\S+)", text, re.MULTILINE)

@@ -1,4 +1,4 @@
-"""What is wrong with meshes, beside trimesh."""
+"""Defects of meshes, beside trimesh."""
 
 import pickle
 

@@ -231,7 +231,7 @@ def test_hits_are_those_of_shoot(hits):
 
 
 def sources(folder):
-    """The same rays in every form."""
+    """Yield one set of rays in every form."""
     origins, directions = rays()
     folder.mkdir(exist_ok=True)
     cuts = [0, 3_333, 10_000]

@@ -26,7 +26,7 @@ def scene_of(material, **attributes):
 
 
 def colors_at(scene, points):
-    """What an unlit picture sees straight down on the points."""
+    """Return the colours of an unlit picture straight down on the points."""
     camera = fh.Camera((0.5, 0.5, 2), (0, 0, -1), (0, 1, 0), 1, 1, 1, 2, 2, "orthographic")
     assert len(points) == 4
     return fh.render(scene, camera, shade="unlit", samples=1)["color"].reshape(4, 3)

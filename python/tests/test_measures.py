@@ -1,4 +1,4 @@
-"""What is inside: closed forms, rules, shapes of arrays, and other packages."""
+"""Insides of objects: closed forms, rules, shapes of arrays, and other packages."""
 
 import math
 import pickle

@@ -1,4 +1,4 @@
-"""What makes no sense is refused where it is given, by name, and leaves things as they were."""
+"""Arguments that make no sense are refused by name, and leave things as they were."""
 
 import firsthit as fh
 import numpy as np

@@ -1,4 +1,4 @@
-"""What hits and frames go into which file, and what is refused before anything is written."""
+"""Files of hits and frames, and refusals before anything is written."""
 
 import json
 import pickle

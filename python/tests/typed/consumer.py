@@ -162,7 +162,7 @@ def truths(scene: fh.Scene, camera: fh.Camera) -> None:
 if TYPE_CHECKING:
 
     def mistakes(scene: fh.Scene, camera: fh.Camera) -> None:
-        """What is refused: a comment that is not needed is an error itself."""
+        """Calls that a checker refuses: a comment that is not needed is an error itself."""
         fh.render(scene, camera, channels=("depth",))  # type: ignore[arg-type]
         fh.render(scene, camera, shade="toon")  # type: ignore[arg-type]
         fh.render(scene, camera, environment="sky.hdr")  # type: ignore[arg-type]

@@ -155,8 +155,8 @@ fn no_output_of_a_scene_leaves_its_folder_whatever_the_channels() {
     assert!(lab.path("scene/t.png").exists() && lab.path("scene/object.png").exists());
 }
 
-/// Whatever reads a file, and whatever would write over it: a file that the command line names, or
-/// one that another file names.
+/// Commands that read a file and would write over it: a file that the command line names, or one
+/// that another file names.
 #[test]
 fn no_command_writes_over_what_it_reads() {
     let lab = Lab::with_square();

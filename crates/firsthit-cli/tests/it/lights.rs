@@ -10,7 +10,7 @@ fn colors(lab: &Lab, file: &str, options: &str) -> Vec<f64> {
     lab.npz("a.npz").remove("color").unwrap().values
 }
 
-/// What is said on the way.
+/// The program's messages about a picture.
 fn said(lab: &Lab, file: &str, options: &str) -> String {
     let render = format!("render {file} {ABOVE} --no-ground --samples 1 {options}");
     lab.ok(&render).stderr
@@ -212,7 +212,7 @@ fn the_default_set_by_its_name_is_the_default() {
     }
 }
 
-/// What an environment does not light is told.
+/// A warning tells what an environment does not light.
 #[test]
 fn an_environment_that_lights_nothing_is_told() {
     let lab = Lab::with_square();

@@ -23,7 +23,7 @@ fn with_scene() -> Lab {
     lab
 }
 
-/// What a scene and options give.
+/// The arrays that a scene and options give.
 fn made(lab: &Lab, scene: &str, options: &str) -> Arrays {
     lab.write("made.toml", scene);
     let channels = "--channels color,t,object";

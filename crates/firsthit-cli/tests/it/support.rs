@@ -41,7 +41,7 @@ pub(crate) struct Lab {
     folder: TempDir,
 }
 
-/// What the program did.
+/// The exit code and the output of the program.
 pub(crate) struct Outcome {
     pub(crate) code: i32,
     pub(crate) stdout: Vec<u8>,

@@ -98,7 +98,7 @@ fn a_view_is_instead_of_a_place_or_an_aim() {
     lab.fails("render square.ply --view side", 2, "possible values: iso, front, back");
 }
 
-/// What a camera of the file says of itself is left out, but for its lens.
+/// Of a camera of the file only the lens stays.
 #[test]
 fn a_view_takes_the_place_of_the_cameras_of_the_file() {
     let lab = Lab::with_square();

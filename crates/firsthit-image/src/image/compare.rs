@@ -194,7 +194,7 @@ mod tests {
         let found = compare(&double, &single, 0.0).unwrap();
         assert_eq!((found.differing, found.ulps), (1, Some(2)));
         assert_eq!(found.compared_as, "float32");
-        // What float32 has no digits for is told all the same.
+        // A difference that float32 has no digits for is told all the same.
         let double = array(ArrayValues::Float64(vec![1.0, 4_500_000.2]), 1);
         let single = array(ArrayValues::Float32(vec![1.0, 4_500_000.0]), 1);
         let found = compare(&double, &single, 0.0).unwrap();

@@ -34,7 +34,7 @@ use crate::world::World;
 /// the scene's, and outputs stay behind. Control characters in names are escaped when the file is
 /// opened.
 ///
-/// The same scene gives the same bytes on every machine.
+/// Equal scenes give equal bytes on every machine.
 ///
 /// # Errors
 ///

@@ -141,7 +141,7 @@ fn labels_are_those_of_the_nearest_corner_and_faces_have_their_own() {
     assert!(met > 4000, "{met} met, {tied} tied");
 }
 
-/// What is linear in space is itself wherever a ray meets a flat mesh.
+/// An attribute that is linear in space is itself wherever a ray meets a flat mesh.
 #[test]
 fn a_linear_quantity_is_that_of_the_point_that_was_hit() {
     let (points, triangles) = bumpy_sphere(20, 8);

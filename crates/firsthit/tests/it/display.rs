@@ -1,4 +1,4 @@
-//! What pictures show of linear colours: exposure, tone maps, and where they are applied.
+//! Display transforms of linear colours: exposure, tone maps, and where they are applied.
 
 use std::io::Cursor;
 use std::path::Path;

@@ -131,8 +131,8 @@ fn sampled(scene: &Scene, count: usize) -> (f64, f64) {
     (mean, (squares.sum::<f64>() / count as f64 / count as f64).sqrt())
 }
 
-/// What a level, white surface takes: the mean of the upper half's green by the cosine, summed over
-/// fine cells.
+/// The irradiance of a level, white surface: the mean of the upper half's green by the cosine,
+/// summed over fine cells.
 fn taken(environment: &Environment) -> f64 {
     let (columns, rows) = (640 * 4, 320 * 4);
     let mut sum = 0.0;

@@ -117,7 +117,7 @@ fn a_hit_has_one_t_whatever_else_is_in_the_scene_and_whatever_is_asked() {
     }
 }
 
-/// The same as the second of two objects, the first of which is in front or behind by a billionth.
+/// The floor is the second of two objects, the first of which is in front or behind by a billionth.
 #[test]
 fn of_two_floors_close_together_the_first_is_met() {
     let mut numbers = Numbers::new(20);

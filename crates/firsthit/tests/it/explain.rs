@@ -128,7 +128,7 @@ fn alone(scene: &Scene, object: usize) -> Scene {
     alone
 }
 
-/// The same, the object as it would be if nothing were cut out.
+/// The scene of an object alone, as it would be if nothing were cut out.
 fn opaque(scene: &Scene, object: usize) -> Scene {
     let mut objects = scene.objects().to_vec();
     objects[object] = objects[object].clone().with_materials([Material::default()]);

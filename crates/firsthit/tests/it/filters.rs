@@ -261,7 +261,7 @@ fn is_met(from: &Exact, d: &Exact, corners: [DVec3; 3]) -> bool {
     !slope.is_zero() && (dot(&n, &a) / slope).is_positive()
 }
 
-/// What a ray that leaves a triangle meets, by rational arithmetic.
+/// The triangles that a ray meets as it leaves one, by rational arithmetic.
 fn met_from(mesh: &Mesh, start: (usize, DVec2), way: DVec3) -> Vec<i32> {
     let from = point_left(mesh.corners(start.0), start.1);
     let d = exact(way);

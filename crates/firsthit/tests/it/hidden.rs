@@ -42,7 +42,7 @@ fn objects() -> Vec<Object> {
     ]
 }
 
-/// What is asked, and the scene that has only the objects which are not hidden, with their
+/// The scene that is asked, and the one that has only the objects which are not hidden, with their
 /// identifiers elsewhere.
 struct Judge {
     fewer: Scene,

@@ -189,7 +189,7 @@ mod unix {
         assert!(null.file_type().is_char_device());
     }
 
-    /// What `/dev/stdout` leads to when it is redirected to a file.
+    /// `/dev/stdout` is such a link when it is redirected to a file.
     #[test]
     #[cfg(target_os = "linux")]
     fn an_open_file_is_written_into_not_replaced() {

@@ -17,7 +17,7 @@ fn read(files: &[(&str, &[u8])], name: &str, strict: bool) -> Result<Loaded> {
     load(&folder.path().join(name), &settings)
 }
 
-/// What is said about a file, be it an error or warnings.
+/// The error about a file, or its warnings.
 fn said(name: &str, content: &[u8]) -> String {
     match read(&[(name, content)], name, false) {
         Ok(model) => model.warnings.join("\n"),

@@ -1,4 +1,4 @@
-//! What the formats say arrives in the model.
+//! Models hold all that their formats say.
 
 use std::fs;
 use std::path::Path;
@@ -89,7 +89,7 @@ fn four_texels() -> Vec<u8> {
 const TEXTURED: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\n\
     mtllib a.mtl\nusemtl m\nf 1/1 2/2 3/3 4/4\n";
 
-/// What a ray down onto (x, y) sees of a model: its colour, or nothing.
+/// The colour that a ray down onto (x, y) sees of a model, if any.
 fn seen(model: &Loaded, x: f64, y: f64) -> Option<Color> {
     let scene = Scene::new(model.world.objects.clone()).expect("a small scene");
     let ray = Ray::new(DVec3::new(x, y, 1.0), DVec3::NEG_Z);

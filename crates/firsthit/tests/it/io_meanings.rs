@@ -1,5 +1,5 @@
-//! What files mean that say the same in several ways, and what they are when their name says
-//! something else.
+//! Files that say one thing in several ways mean one thing, and one under a wrong name is called
+//! what it is.
 
 use std::fs;
 use std::path::Path;
@@ -18,7 +18,7 @@ fn refusal(name: &str, content: &[u8]) -> String {
     read.unwrap_err().to_string()
 }
 
-/// What a ray down onto (x, y) sees.
+/// The colour that a ray down onto (x, y) sees.
 fn seen(model: &Loaded, x: f64, y: f64) -> Color {
     let scene = Scene::new(model.world.objects.clone()).unwrap();
     let ray = Ray::new(DVec3::new(x, y, 9.0), DVec3::NEG_Z);

@@ -11,7 +11,7 @@ fn read(text: &[u8]) -> Result<Loaded> {
     load_bytes(Path::new("a.off"), text, &LoadSettings::default())
 }
 
-/// What a ray down onto (x, y) sees.
+/// The colour that a ray down onto (x, y) sees.
 fn seen(model: &Loaded, x: f64, y: f64) -> Color {
     let scene = Scene::new(model.world.objects.clone()).unwrap();
     let ray = firsthit::Ray::new(DVec3::new(x, y, 9.0), DVec3::NEG_Z);

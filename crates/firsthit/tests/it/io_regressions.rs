@@ -1,4 +1,4 @@
-//! What a fuzzer has found once: each file is read or refused, in lines that harm no terminal.
+//! Files that a fuzzer has found: each is read or refused, in lines that harm no terminal.
 
 use std::fs;
 use std::path::Path;

@@ -1,4 +1,4 @@
-//! Objects in one space share a tree. What they answer is what each answers alone, to the bit:
+//! Objects in one space share a tree. Their answers are those of each alone, to the bit:
 //! brute force asks object by object.
 
 use std::path::Path;

@@ -109,7 +109,7 @@ fn camera(projection: Projection, given: &[(&str, f64)]) -> Camera {
     Camera::new(view).unwrap_or_else(|error| panic!("{projection:?} {given:?}: {error}"))
 }
 
-/// What becomes of random directions.
+/// Counts of random directions by their fate.
 #[derive(Debug, Default, Clone, Copy, PartialEq)]
 struct Tally {
     seen: usize,

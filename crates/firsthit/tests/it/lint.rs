@@ -1,5 +1,4 @@
-//! What is wrong with meshes: known defects in closed forms, and rational arithmetic for triangles
-//! that meet.
+//! Defects of meshes: known ones in closed forms, and rational arithmetic for triangles that meet.
 
 use std::sync::Arc;
 

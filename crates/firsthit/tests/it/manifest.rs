@@ -51,7 +51,7 @@ fn area(model: &Loaded) -> f64 {
     triangles.map(|[a, b, c]| (b - a).cross(c - a).length() / 2.0).sum()
 }
 
-/// What is wrong with the model, if anything.
+/// The difference between the model and its row, if any.
 fn compare(model: &Loaded, row: &Row) -> Option<String> {
     let triangles = triangle_count(model).to_string();
     // Its triangles are not finite: all that can be said is how many are left.

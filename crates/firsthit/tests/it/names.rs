@@ -1,4 +1,4 @@
-//! What identifiers stand for: in the metadata of outputs, in built scenes, and from each format.
+//! Names of identifiers: in the metadata of outputs, in built scenes, and from each format.
 
 use std::fs;
 use std::path::Path;
@@ -99,7 +99,7 @@ fn built_scenes_keep_names() {
     assert_eq!(firsthit::render::names(&opened), firsthit::render::names(&scene));
 }
 
-/// The same look under two names is two materials, which look alike.
+/// One look under two names is two materials, which look alike.
 #[test]
 fn materials_of_obj_files_have_their_names() {
     let folder = tempfile::tempdir().unwrap();

@@ -393,7 +393,7 @@ fn the_fingerprint_sees_what_a_picture_would() {
     assert_eq!(one().fingerprint(), "blake3:04fa907b4b40d01f8bceaac4b047030c");
 }
 
-/// What is no output is refused in one line, and nothing panics or takes more than it should.
+/// A file that is no output is refused in one line; nothing panics or takes more than it should.
 #[test]
 fn damaged_files_are_refused_or_read_but_never_a_panic() {
     let folder = tempfile::tempdir().unwrap();

@@ -1,4 +1,4 @@
-//! What float64 must not lose: far away, nearly flat, very thin, very long and very short things.
+//! Precision of float64: far away, nearly flat, very thin, very long and very short things.
 
 use std::sync::Arc;
 

@@ -162,7 +162,7 @@ fn record(user: &[u8], number: u16, content: &[u8]) -> Vec<u8> {
     record
 }
 
-/// The same, packed.
+/// The LAS file, packed as LAZ.
 fn laz(format: u8) -> Vec<u8> {
     let (mut header, points) = las(format);
     let items = laz::LazItemRecordBuilder::default_for_point_format_id(format, 4).unwrap();

@@ -107,7 +107,7 @@ fn straight(from: DVec3, velocity: DVec3) -> Trajectory {
     Trajectory::new(vec![10.0, 12.0], vec![pose(0.0), pose(2.0)]).unwrap()
 }
 
-/// What is to the right of a vertical edge at x = 0, ten units ahead.
+/// A wall to the right of a vertical edge at x = 0, ten units ahead.
 fn edge() -> Scene {
     let wall = Cuboid::new(DVec3::new(0.0, -50.0, -11.0), DVec3::new(50.0, 50.0, -10.0)).unwrap();
     Scene::new(vec![Object::new(wall)]).unwrap()

@@ -50,7 +50,7 @@ struct Solid {
     flipped: Vec<usize>,
 }
 
-/// What files have, and what goes wrong in them.
+/// Solids as files have them, and their usual defects.
 fn solids() -> Vec<Solid> {
     let plate = |turns| part([0.0; 3], [10.0, 10.0, 1.0], turns);
     let cube = |turns| part([-1.0; 3], [1.0; 3], turns);

@@ -355,7 +355,7 @@ fn a_rotation_of_few_digits_does_not_change_the_size() {
     assert_eq!(points(&model, 0)[1], DVec3::X);
 }
 
-/// What it shifts by is another thing in each of its specifications.
+/// Each specification of the extension shifts by another vector.
 #[test]
 fn a_centre_that_is_not_added_is_told_whether_it_is_declared_or_not() {
     for declared in [json!([]), json!(["CESIUM_RTC"])] {

@@ -16,7 +16,7 @@ fn loaded(path: &Path) -> Loaded {
     load(path, &LoadSettings::default()).unwrap()
 }
 
-/// What is seen of the scene from above.
+/// The colour of the scene from above, if a ray meets it.
 fn color(scene: &Scene, x: f64, y: f64) -> Option<Color> {
     let ray = Ray::new(DVec3::new(x, y, 1.0), DVec3::NEG_Z);
     let hit = shoot(scene, ray.origin, ray.direction);

@@ -1,4 +1,4 @@
-//! What surfaces are made of, normal maps, and numbers that make no sense.
+//! Materials, normal maps, and numbers that make no sense.
 
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
@@ -46,7 +46,7 @@ fn with_texture(builder: &mut Builder, texels: [[u8; 4]; 2]) {
     builder.json["textures"] = json!([{"source": 0, "sampler": 0}]);
 }
 
-/// What is there where the triangle is met from above.
+/// A property of the surface where the triangle is met from above.
 fn surface<T>(model: Loaded, of: impl Fn(&SurfaceInteraction<'_>) -> T) -> T {
     let scene = Scene::new(model.world.objects).unwrap();
     let ray = Ray::new(DVec3::new(0.25, 0.25, 1.0), DVec3::new(0.1, 0.2, -1.0));

@@ -137,7 +137,7 @@ fn small_files_describe_little() {
     }
 }
 
-/// What the size does not allow, the setting does.
+/// The setting allows more than the file's size does.
 #[test]
 fn more_memory_allows_a_small_file_more() {
     let mut builder = Builder::triangle();

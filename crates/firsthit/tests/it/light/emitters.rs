@@ -27,8 +27,8 @@ const DOWN: [Ray; 1] = [Ray {
     t_max: f64::INFINITY,
 }];
 
-/// What files write for two-sided surfaces: each triangle twice, or the whole object twice. A ray
-/// meets one of them.
+/// Files write two-sided surfaces as each triangle twice, or the whole object twice. A ray meets
+/// one of them.
 #[test]
 fn copies_of_a_lamp_do_not_shine_twice() {
     let corners = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]];

@@ -1,4 +1,4 @@
-//! What must not change a picture, or change it in a known way.
+//! Changes of a scene that leave its picture alone, or change it in a known way.
 
 use std::sync::Arc;
 

@@ -1,4 +1,4 @@
-//! What hides light, what does not, and the ground that only shadows are seen of.
+//! Shadows: surfaces that hide light, those that do not, and the ground that catches shadows.
 
 use std::sync::Arc;
 
@@ -123,7 +123,7 @@ fn occlusion_maps_hide_the_environment() {
     }
 }
 
-/// What a white background shows of a ground under a disc, where it is.
+/// The colour of a ground under a disc, before a white background.
 fn ground_seen(scene: &Scene, at: DVec3, samples: u32) -> f64 {
     let shading = Shading {
         background: Background::Uniform(Color::ONE),
@@ -253,7 +253,7 @@ fn disc_in(sun: DirectionalLight) -> Scene {
     scene.with_lights(vec![sun.into()])
 }
 
-/// What is before white, with a ground or without one.
+/// The scene before white, with a ground or without one.
 fn before_white(scene: &Scene, has_ground: bool) -> Shading<'_> {
     let ground = Ground { point: DVec3::ZERO, up: DVec3::Z };
     Shading {

@@ -31,7 +31,7 @@ fn model(text: &str) -> Loaded {
     read(text, &[]).unwrap_or_else(|error| panic!("{error}: {text}"))
 }
 
-/// What is said about a text, from the file's name on.
+/// The error about a text, from the file's name on.
 fn refusal(text: &str) -> String {
     let error = read(text, &[]).err().unwrap_or_else(|| panic!("accepted: {text:.200}"));
     assert!(matches!(error, Error::Parse { .. }), "{error:?}");

@@ -1,5 +1,5 @@
-//! What several tests share: reproducible numbers, closed meshes, the reference data, and what the
-//! judge says.
+//! Helpers of several tests: reproducible numbers, closed meshes, the reference data, and the
+//! judge's words.
 
 pub(crate) mod generators;
 pub(crate) mod npz;
@@ -179,7 +179,7 @@ pub(crate) fn scene(objects: Vec<Object>) -> Scene {
     Scene::new(objects).unwrap()
 }
 
-/// What two hits must have in common.
+/// The bits of a hit: those of equal hits are equal.
 pub(crate) fn bits(hit: &Hit) -> (u64, i32, i32, [u64; 2]) {
     (hit.t.to_bits(), hit.object, hit.primitive, hit.barycentric.to_array().map(f64::to_bits))
 }
