@@ -138,7 +138,7 @@ impl Bvh {
         let (mut found, mut next) = (None, (!self.nodes.is_empty()).then_some(0));
         while let Some(index) = next {
             let node = &self.nodes[index];
-            // What once was a node may have leaves below that come again.
+            // A place that once held a node may have leaves below that come again.
             let is_free = |&k: &usize| node.is_vacant(k) && node.children[k] & LEAF != 0;
             let free = (0..WIDTH).find(is_free);
             found = free.and_then(|k| u32::try_from(index * WIDTH + k).ok()).or(found);
