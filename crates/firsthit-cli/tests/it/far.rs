@@ -57,3 +57,19 @@ fn one_hit_near_the_origin_is_well_told_by_float32() {
     assert!(!outcome.stderr.contains("warning"), "{}", outcome.stderr);
     assert!(String::from_utf8_lossy(&lab.read("a.pcd")).contains("\nSIZE 4 4 4\n"));
 }
+
+#[test]
+fn one_hit_in_coordinates_of_a_country_keeps_its_digits() {
+    let lab = Lab::new();
+    let far = "[[objects]]\nshape = \"sphere\"\ncenter = [500000.3, 4500000.2, 300]\nradius = 1\n";
+    lab.write("far.toml", far);
+    let render =
+        "render far.toml --size 1x1 --position 500000.3,4499990,300 --aim 0,1,0 --up 0,0,1";
+    let outcome = lab.ok(&format!("{render} --channels position -o a.exr -o a.pcd"));
+    assert!(
+        outcome.stderr.contains("position as float32 is off by up to 0."),
+        "{}",
+        outcome.stderr
+    );
+    assert!(String::from_utf8_lossy(&lab.read("a.pcd")).contains("\nSIZE 8 8 8\n"));
+}

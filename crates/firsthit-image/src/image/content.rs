@@ -105,8 +105,8 @@ pub(super) fn check_float32(
 }
 
 /// The largest error of positions in float32, if that is more than a millionth of their largest
-/// side, or of the largest coordinate where all are equal: so far from the origin, as in coordinates
-/// of a country, float32 has too few digits.
+/// side, or than a thousandth of a unit where all are equal: so far from the origin, as in
+/// coordinates of a country, float32 has too few digits.
 pub(super) fn lost_in_float32(channel: &Channel) -> Option<f64> {
     let Data::Float64(values) = &channel.data else {
         return None;
@@ -114,17 +114,16 @@ pub(super) fn lost_in_float32(channel: &Channel) -> Option<f64> {
     if channel.display != Display::Position {
         return None;
     }
-    let (mut error, mut side, mut largest) = (0.0_f64, 0.0_f64, 0.0_f64);
+    let (mut error, mut side) = (0.0_f64, 0.0_f64);
     for axis in 0..channel.components {
         let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
         let along = values.iter().skip(axis).step_by(channel.components);
         for &value in along.filter(|value| value.is_finite()) {
             (low, high) = (low.min(value), high.max(value));
             error = error.max((value - f64::from(single(value))).abs());
-            largest = largest.max(value.abs());
         }
         side = side.max(high - low);
     }
-    let size = if side > 0.0 { side } else { largest };
-    (error > 1e-6 * size).then_some(error)
+    let bound = if side > 0.0 { 1e-6 * side } else { 1e-3 };
+    (error > bound).then_some(error)
 }
