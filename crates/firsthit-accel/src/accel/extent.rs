@@ -1,5 +1,5 @@
-//! What is where, found by a tree in place of visits to all that it holds: the boxes that end
-//! beyond a place, those around a transformed mesh, and the triangles in some boxes.
+//! Searches of a tree, in place of visits to all that it holds: for the boxes that end beyond a
+//! place, for those around a transformed mesh, and for the triangles in some boxes.
 
 use std::sync::Arc;
 

@@ -1,4 +1,4 @@
-//! What a page may ask of a frame beside its camera, and how questions are answered by their names.
+//! The settings of a frame that a page may ask for beside its camera, by their names.
 
 use std::io::Cursor;
 use std::sync::Arc;
