@@ -19,7 +19,7 @@ use crate::inputs;
 pub(super) const MOST_BYTES: u64 = 1 << 32;
 
 /// Metadata are short; a sidecar that is longer is none.
-const LONGEST_METADATA: u64 = 1 << 24;
+pub(super) const LONGEST_METADATA: u64 = 1 << 24;
 
 /// Reads an output: a file in one of [`FORMATS`](super::FORMATS), which its extension tells. It may
 /// be written over: who takes it for an input tells [`inputs`].

@@ -5,6 +5,7 @@ use zip::ZipArchive;
 use super::super::npz::METADATA;
 use super::npy;
 use super::output::{Output, metadata_of};
+use crate::image::read::LONGEST_METADATA;
 
 /// An array for each entry, and the metadata from theirs.
 pub(in crate::image) fn decode(bytes: &[u8], most: u64) -> Result<Output, String> {
@@ -18,13 +19,18 @@ pub(in crate::image) fn decode(bytes: &[u8], most: u64) -> Result<Output, String
         let Some(name) = name.strip_suffix(".npy").map(str::to_owned) else {
             continue;
         };
+        // Names pack well, but not as a bomb does.
+        let limit =
+            if name == METADATA { room.min(most_metadata(bytes.len() as u64)) } else { room };
         let mut content = Vec::new();
-        let read = (entry.by_ref().take(room.saturating_add(1))).read_to_end(&mut content);
+        let read = (entry.by_ref().take(limit.saturating_add(1))).read_to_end(&mut content);
         read.map_err(|error| format!("{}: {error}", crate::error::escape_controls(&name)))?;
         // All entries together: a thousand of them may be the same few bytes.
-        room = room
-            .checked_sub(content.len() as u64)
-            .ok_or_else(|| format!("is over the limit of {most} bytes unpacked"))?;
+        if content.len() as u64 > limit {
+            let allowed = if limit < room { limit } else { most };
+            return Err(format!("is over the limit of {allowed} bytes unpacked"));
+        }
+        room -= content.len() as u64;
         let named = |what| format!("{}: {what}", crate::error::escape_controls(&name));
         if name == METADATA {
             text = Some(npy::text(&content).map_err(named)?);
@@ -35,4 +41,32 @@ pub(in crate::image) fn decode(bytes: &[u8], most: u64) -> Result<Output, String
     }
     output.metadata = metadata_of(text.as_deref(), &mut output.notes);
     Ok(output)
+}
+
+/// The most bytes of unpacked metadata in a file of `length` bytes.
+fn most_metadata(length: u64) -> u64 {
+    length.saturating_mul(256).saturating_add(LONGEST_METADATA)
+}
+
+#[cfg(test)]
+mod tests {
+    use std::io::Write;
+
+    use zip::ZipWriter;
+    use zip::write::SimpleFileOptions;
+
+    use super::*;
+
+    #[test]
+    fn metadata_that_unpack_like_a_bomb_are_refused() {
+        let packed = |length: usize| {
+            let mut archive = ZipWriter::new(Cursor::new(Vec::new()));
+            archive.start_file("metadata.npy", SimpleFileOptions::default()).unwrap();
+            archive.write_all(&vec![0; length]).unwrap();
+            archive.finish().unwrap().into_inner()
+        };
+        let refusal = |length| decode(&packed(length), 1 << 32).unwrap_err();
+        assert!(refusal(32 << 20).contains("bytes unpacked"));
+        assert!(!refusal(1 << 20).contains("bytes unpacked"));
+    }
 }
