@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-#: So many names are compared; more would take long.
+#: The most names that are compared: more would take long.
 _MOST = 10_000
 #: Depth, as others call it, is one of two lengths.
 _DEPTHS = {

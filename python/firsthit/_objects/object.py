@@ -187,7 +187,7 @@ def chosen(objects: ObjectList, given: Selection) -> tuple[int, ...]:
             named = objects.called(one)
             if not named:
                 meant = hint(one, objects.names())
-                raise ValueError(f"there is no object with the name {one!r}{meant}")
+                raise ValueError(f"there is no object with the name {str(one)!r}{meant}")
             found.update(named)
         else:
             found.add(identified(objects, one))

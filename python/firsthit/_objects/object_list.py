@@ -105,7 +105,7 @@ class ObjectList(_List):
         return [k for k in there if self[k]._name == name and not self[k]._is_removed]
 
     def names(self) -> Iterator[str]:
-        """Yield the names that `called` finds an object by, once it was asked for any."""
+        """Yield the names of the objects that are there, as far as `called` has looked."""
         return (name for name in list(self._names.found) if self.called(name))
 
     def note_name(self, identifier: int) -> None:

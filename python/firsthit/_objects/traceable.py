@@ -72,7 +72,7 @@ class Built:
 
     @uncollected()
     def changed(self, changed: Mapping[int, Object], report: Report | None) -> Built:
-        """Return what is built when some objects, by identifiers, are others or new at the end.
+        """Return the built scene with other objects at some identifiers, or new ones at the end.
 
         Only what changed is converted: where an object only moved, its transform.
         """

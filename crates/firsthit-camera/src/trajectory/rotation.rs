@@ -4,8 +4,8 @@ use crate::geometry::{DMat3, DQuat, DVec3};
 
 /// `q` at length one. `None` where its length is further from one than 0.001, or no number.
 ///
-/// A quaternion that float64 can hardly hold better stays as it is, so that a rotation that is
-/// written and read again has the same bits.
+/// A quaternion that is as near to length one as float64 comes stays as it is, so that a rotation
+/// that is written and read again has the same bits.
 pub(super) fn unit_rotation(q: DQuat) -> Option<DQuat> {
     // Four roundings of the components and four of the sum, each by half an epsilon of the square.
     const ROUNDING: f64 = 8.0 * f64::EPSILON;

@@ -58,7 +58,7 @@ pub(crate) fn write(
         match format {
             Some(format) => {
                 format.write(frame, *channel, settings, path, progress)?;
-                say_rounded(format, frame, *channel, path);
+                warn_of_rounding(format, frame, *channel, path);
             }
             None => write_whole(path, progress, |out| write_csv(frame, out))?,
         }
@@ -69,7 +69,8 @@ pub(crate) fn write(
     Ok(legends)
 }
 
-fn say_rounded(format: &Format, frame: &Frame, channel: Option<&str>, path: &Path) {
+/// Warns of positions that a file holds with too few digits.
+fn warn_of_rounding(format: &Format, frame: &Frame, channel: Option<&str>, path: &Path) {
     let warning = format.warning(frame, channel);
     warn(warning.map(|warning| format!("{}: {warning}", escaped(path))).as_slice());
 }
@@ -108,6 +109,6 @@ pub(crate) fn stream(frame: &Frame, format: &str) -> Result<(), Failure> {
     let (settings, name) = (WriteSettings::default(), Path::new("standard output"));
     let format = image::format_named(format)?;
     format.encode(frame, None, settings, &mut out, name)?;
-    say_rounded(format, frame, None, name);
+    warn_of_rounding(format, frame, None, name);
     out.flush().map_err(|error| Failure::stdout(&error))
 }

@@ -94,7 +94,7 @@ pub const FORMATS: &[Format] = &[
         only_pictures: false,
         has_sidecar: false,
         takes_mattes: false,
-        summary: "a point cloud for PCL and ROS: the same with float32 where that has the digits",
+        summary: "a point cloud for PCL and ROS: the same with float32 where that is fine enough",
         check: |content| pcd::LAYOUT.check(content),
         stored: |channel, _| pcd::LAYOUT.stored(channel),
         encode: pcd::encode,

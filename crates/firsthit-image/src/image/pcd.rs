@@ -1,5 +1,5 @@
-//! Point clouds as binary PCD, version 0.7, for PCL and ROS: floats are float32, but times and what
-//! is far away; a colour is one number.
+//! Point clouds as binary PCD, version 0.7, for PCL and ROS: floats are float32, but times and far
+//! positions are float64; a colour is one number.
 
 use std::io::{self, Write};
 

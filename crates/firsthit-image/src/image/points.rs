@@ -34,7 +34,7 @@ const LINE: usize = 200;
 pub(super) struct Layout {
     /// The names of a normal's three columns.
     pub(super) normal: [&'static str; 3],
-    /// Whether float64 stays what it is; else it is rounded to float32 where that has the digits.
+    /// Whether float64 stays what it is; else it is rounded to float32 where that is fine enough.
     pub(super) has_doubles: bool,
     /// Whether the bytes of a colour are one column of 32 bits: blue, green, red, and alpha or 0.
     pub(super) has_packed_colors: bool,

@@ -82,9 +82,9 @@ impl Scene {
     }
 
     /// Hides objects from all rays and other queries, or shows them: `true` beside an object hides
-    /// it. They keep their identifiers. The tree over the objects is fitted to few of them, and
-    /// built anew for many. Meshes that are shown again and had shared a tree get their own, built
-    /// anew too. `lint` looks at hidden objects too.
+    /// it. They keep their identifiers. The tree over the objects is fitted where few change, and
+    /// built anew where many do. A mesh that is shown again and had shared a tree gets its own,
+    /// which is built. `lint` looks at hidden objects too.
     ///
     /// # Errors
     ///

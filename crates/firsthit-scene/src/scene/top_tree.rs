@@ -153,9 +153,9 @@ impl TopTree {
         }
     }
 
-    /// Fits the tree to objects that are other ones now: moved, hidden, shown, of another shape, or
-    /// new behind the others. Each takes time in proportion to the tree's depth; the first call
-    /// also finds all leaves. The tree is built anew once fitted boxes overlap too much.
+    /// Fits the tree to objects that have changed: they were moved, hidden, shown, given another
+    /// shape, or added at the end. Each takes time in proportion to the tree's depth; the first
+    /// call also finds all leaves. The tree is built anew once fitted boxes overlap too much.
     pub(super) fn changed(&mut self, objects: &[Object], trees: &[ObjectTree], changed: &[u32]) {
         self.count = objects.len();
         let is_fitted = changed.iter().all(|&index| self.fit(objects, trees, index));

@@ -98,9 +98,9 @@ impl Bvh {
         tree
     }
 
-    /// Fits the tree to one box that has moved, to a finite place, that is new, or that is empty
-    /// now: from its leaf up to the root, the boxes around it change. `false` where it is so far
-    /// away, or so much stands where it is new, that the tree must be built anew.
+    /// Fits the tree to one box that has changed: it moved to a finite place, is new, or is empty
+    /// now. From its leaf up to the root the boxes around it change. `false` where the box is too
+    /// far away, or is new and finds no place, so that the tree must be built anew.
     #[doc(hidden)]
     pub fn refit(&mut self, moved: u32, bounds: Bounds) -> bool {
         let origin = self.space.origin;

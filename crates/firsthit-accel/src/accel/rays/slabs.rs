@@ -42,8 +42,8 @@ pub(in crate::accel) fn slab<A: Arithmetic>(
     (over, [of.mul(of.add(start, wider), minus), of.mul(of.sub(start, wider), minus)])
 }
 
-/// [`slab`] in float32, for the tree of a mesh. It has a form of its own with fewer
-/// operations, fused where lanes can; the margin covers its rounding (see `prepare.rs`).
+/// [`slab`] in float32, for the tree of a mesh. It has a form of its own with fewer operations,
+/// fused where lanes can; the margin covers its rounding (see `prepare.rs`).
 #[inline(always)]
 pub(in crate::accel) fn narrow_slab<L: Lanes>(
     l: L,

@@ -39,9 +39,10 @@ const SHARE_OF_DIM: f64 = 1.0 / 16.0;
 /// A grid of directions, drawn more often where it is bright. Within a cell they are even by solid
 /// angle.
 ///
-/// Directions brighter than the mean are drawn, and a few of all: directions that
-/// surfaces choose by themselves find the rest (Karlík and others, "MIS Compensation: Optimizing
-/// Sampling Techniques in Multiple Importance Sampling", ACM Transactions on Graphics 38(6), 2019).
+/// A direction is drawn for its light above the mean, and all for a small share of it: surfaces
+/// find the rest by directions of their own choice (Karlík and others, "MIS Compensation:
+/// Optimizing Sampling Techniques in Multiple Importance Sampling", ACM Transactions on Graphics
+/// 38(6), 2019).
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct DirectionTable {
     columns: usize,
