@@ -137,3 +137,8 @@ def red(hits):
 def slowly(out, workers):
     on = fh.many.processes(int(workers)) if int(workers) else None
     fh.shoot_many(scene(), rays(), out, fold=Slow(), part_size=200, on=on)
+
+
+def all_hits(folder, name="t"):
+    parts = sorted(Path(folder, "parts").iterdir())
+    return np.concatenate([np.load(part / "hits.npz")[name] for part in parts])

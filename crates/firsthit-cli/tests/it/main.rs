@@ -5,6 +5,7 @@
 mod attributes;
 mod built;
 mod camera;
+mod camera_files;
 mod channels;
 mod clouds;
 mod colours;
